@@ -127,7 +127,7 @@ class Environment(gymnasium.Env[Values, Values]):
             self._advance(action)
         self._end()
         if self.checksum.digest() != expected:
-            problem = f"{self.session.place.ran()} keeps state: a repeated episode gives other rows"
+            problem = f"{self.session.position.ran()} keeps state: a repeated episode gives other rows"
             raise NewProcessError(problem, "Run each episode in a new process.")
         self.first, self.repeated = [], True
 

@@ -8,7 +8,7 @@ from cosim import paths
 from cosim.check import lint
 from cosim.check.checked import Checked
 from cosim.errors import CosimError
-from cosim.loop.place import Place
+from cosim.loop.position import Position
 from cosim.loop.session import Session
 from cosim.optimize import problem
 from cosim.optimize.variants import Variants
@@ -21,10 +21,10 @@ from cosim.sweep.charts import check_charts
 from cosim.sweep.plan import Plan
 
 
-def check(name: str, place: Place | None = None) -> Checked:
+def check(name: str, position: Position | None = None) -> Checked:
     """Check a scenario, by name or file, a study or an optimization; errors are found, not raised.
 
-    `place` records whose code runs.
+    `position` records whose code runs.
     """
     found = Checked(name)
     try:
@@ -37,7 +37,7 @@ def check(name: str, place: Place | None = None) -> Checked:
                 scenario = check_study(file, found)
             case "optimization":
                 scenario = check_optimization(file, found)
-        found.warnings = check_scenario(scenario, place)
+        found.warnings = check_scenario(scenario, position)
     except CosimError as error:
         found.error, found.runs = error, 0
     return found
@@ -53,9 +53,9 @@ def file_of(name: str) -> Path:
     return paths.find_scenario(name)
 
 
-def check_scenario(scenario: Scenario, place: Place | None) -> list[str]:
+def check_scenario(scenario: Scenario, position: Position | None) -> list[str]:
     """Open FMU and plant and connect them; returns warnings."""
-    with Session(scenario, place=place) as session:
+    with Session(scenario, position=position) as session:
         return lint.check(session)
 
 

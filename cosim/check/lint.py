@@ -12,7 +12,7 @@ def check(session: Session) -> list[str]:
     """Connect everything as in a run, without a step; return the warnings."""
     scenario = session.scenario
     with located(scenario):
-        reference.initialise(scenario, session.fmus, session.plant, scenario.loop.seed, session.place)
+        reference.initialise(scenario, session.fmus, session.plant, scenario.loop.seed, session.position)
     session.check_drawn()
     return warnings(session)
 

@@ -43,7 +43,7 @@ def new(
     check_folder(file)
     schema = file.with_suffix(".schema.json")
     # the description of an FMU is only read; a plant is code that runs
-    with tasks.place(limits if plant or timeout else None) as do:
+    with tasks.executor(limits if plant or timeout else None) as do:
         found = do(tasks.TaskCall(tasks.new, (fmu, plant, file.parent)))
         if isinstance(found, CosimError):
             raise found

@@ -90,7 +90,7 @@ def check(
     Checks names, types, units, ranges, wires and metrics. Nothing runs.
     """
     found = []
-    with tasks.place(checked_limits(timeout, None, in_process)) as do:
+    with tasks.executor(checked_limits(timeout, None, in_process)) as do:
         for file in files:
             outcome = do(tasks.TaskCall(tasks.check, (file,)))
             # an error here is that of a check that ended its process

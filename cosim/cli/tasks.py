@@ -44,7 +44,7 @@ class TaskCall:
         return self.function(context, *self.arguments)
 
 
-def place(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
+def executor(limits: Limits | None) -> AbstractContextManager[Callable[..., Any]]:
     """Runner of tasks, see `single_task.executor`; imports its dependencies now."""
     with interrupts.handled_by(interrupts.quit_at_once):
         from cosim.pool import single_task
@@ -59,7 +59,7 @@ def perform(
     **_: P.kwargs,
 ) -> T:
     """Return the outcome of one task; raise its error."""
-    with place(limits) as do:
+    with executor(limits) as do:
         outcome: T | CosimError = do(TaskCall(function, arguments), progress)
     if isinstance(outcome, CosimError):
         raise outcome
@@ -158,7 +158,7 @@ def check(context: WorkerContext, file: str) -> Checked:
     """Check a file of any kind without a run."""
     from cosim.check.files import check
 
-    return check(file, context.place)
+    return check(file, context.position)
 
 
 def new(context: WorkerContext, fmu: str, plant: str, folder: Path) -> tuple[str, int, int]:
@@ -166,7 +166,7 @@ def new(context: WorkerContext, fmu: str, plant: str, folder: Path) -> tuple[str
     from cosim.new.draft import draft
     from cosim.new.write import text
 
-    found = draft(fmu, plant, folder, context.place)
+    found = draft(fmu, plant, folder, context.position)
     wired = sum(len(side.wires) for side in found.sides)
     return text(found), wired, sum(len(side.undriven) for side in found.sides)
 
@@ -175,7 +175,7 @@ def ssp(context: WorkerContext, loop: str, changes: tuple[str, ...], seed: int |
     """Write a scenario as an SSP package; return the communication step in s."""
     from cosim.ssp.package import write
 
-    return write(loop, changes, seed, file, context.place).loop.step
+    return write(loop, changes, seed, file, context.position).loop.step
 
 
 def recorded(context: WorkerContext, source: str, loop: str, changes: tuple[str, ...]) -> Recorded:

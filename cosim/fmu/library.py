@@ -25,16 +25,16 @@ LITTLE_64 = (2, 1)
 
 def check_library(file: FmuFile) -> None:
     """Check that the library of an extracted FMU is complete; loading a truncated one is a bus error."""
-    place, shown = binaries(file.version), file.path.name
-    library = file.folder / place / f"{file.identifier}{fmpy.sharedLibraryExtension}"
+    binary, shown = binaries(file.version), file.path.name
+    library = file.folder / binary / f"{file.identifier}{fmpy.sharedLibraryExtension}"
     if not library.is_file():
-        there = ", ".join(f"`{path.name}`" for path in sorted((file.folder / place).glob("*")))
+        there = ", ".join(f"`{path.name}`" for path in sorted((file.folder / binary).glob("*")))
         raise FmuError(
-            f"`{shown}` has no library `{place}/{library.name}`, which its `modelIdentifier` requires",
-            f"`{place}` holds {there or 'nothing'}.",
+            f"`{shown}` has no library `{binary}/{library.name}`, which its `modelIdentifier` requires",
+            f"`{binary}` holds {there or 'nothing'}.",
         )
     if fmpy.platform.startswith("linux") and (problem := elf_problem(library)):
-        raise FmuError(f"`{shown}`: the library `{place}/{library.name}` in it {problem}", "Build it again.")
+        raise FmuError(f"`{shown}`: the library `{binary}/{library.name}` in it {problem}", "Build it again.")
 
 
 def check_headers(slave: Any, answers: Mapping[str, bytes], shown: str) -> None:

@@ -13,7 +13,7 @@ from cosim.fmu.description import FmuFile, Variable
 from cosim.fmu.instance import Instance
 from cosim.fmu.named import NamedFmu
 from cosim.loop import recorder, repeats
-from cosim.loop.place import Place, Stage
+from cosim.loop.position import Position, Stage
 from cosim.loop.repeats import NewProcessError
 from cosim.loop.wires.connect import driven
 from cosim.scenario.model import Scenario
@@ -87,7 +87,7 @@ def open_instances(
     files: Mapping[str, FmuFile],
     log_events: bool,
     before: Sequence[Instance],
-    place: Place,
+    position: Position,
 ) -> tuple[Instance, ...]:
     """Instances of the FMUs; suitable previous instances are reused, the others closed."""
     arguments: dict[str, Arguments] = {}
@@ -96,15 +96,15 @@ def open_instances(
         outputs = recorder.recorded(file, scenario.loop.record_locals)
         arguments[choice.name] = file, driven(scenario, choice, file), outputs, log_events, choice
     fitting = {fmu.name: fmu for fmu in before if fmu.name in arguments and fits(fmu, arguments[fmu.name])}
-    close([fmu for fmu in before if fmu not in fitting.values()], place)
+    close([fmu for fmu in before if fmu not in fitting.values()], position)
     opened: list[Instance] = []
     try:
         check_process(files.values())
         for choice in scenario.fmus:
-            place.at(Stage.LOAD, choice.label)
+            position.at(Stage.LOAD, choice.label)
             opened.append(fitting.get(choice.name) or Instance(*arguments[choice.name]))
     except BaseException:
-        close([*opened, *fitting.values()], place)
+        close([*opened, *fitting.values()], position)
         raise
     return tuple(opened)
 
@@ -118,8 +118,8 @@ def fits(fmu: Instance, arguments: Arguments) -> bool:
     return fmu.file is file and transferred and names[0] == names[1] and not fmu.dead and not fmu.closed
 
 
-def close(fmus: Sequence[Instance], place: Place) -> None:
+def close(fmus: Sequence[Instance], position: Position) -> None:
     """Free all open instances."""
     for fmu in fmus:
-        place.at(Stage.CLOSE, fmu.owner.label)
+        position.at(Stage.CLOSE, fmu.owner.label)
         fmu.close()

@@ -17,8 +17,8 @@ from cosim.fmu.description import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, reference
 from cosim.loop.engines import Engine
-from cosim.loop.place import Stage
 from cosim.loop.plant import Plant
+from cosim.loop.position import Stage
 from cosim.loop.reference import PROGRESS_EVERY, Parts, Recording
 from cosim.loop.wires.connections import Connections, whole
 from cosim.scenario.model import Scenario
@@ -124,10 +124,10 @@ def run(parts: Parts, chunk: int = PROGRESS_EVERY) -> Recording:
     look = stop_when if recorder.stop is None else None
     slow = [trigger for trigger in triggers if trigger.program is None]
     done, ended, stop = 0, False, None
-    parts.place.at(Stage.STEP_BOTH)
+    parts.position.at(Stage.STEP_BOTH)
     try:
         while done < steps and not ended:
-            parts.place.page.step = done
+            parts.position.page.step = done
             room = recorder.room(done)
             until = done + 1 if look or slow else min(done + chunk, steps, room)
             stop = plant.run(stepper, until)

@@ -15,9 +15,9 @@ _importing = threading.Lock()
 
 def module(name: str, folder: Path) -> Any:
     """Import a module for a scenario in `folder`, where it has priority; errors are those of the module."""
-    for place in (str(folder), str(Path.cwd())):
-        if place not in sys.path:
-            sys.path.append(place)
+    for directory in (str(folder), str(Path.cwd())):
+        if directory not in sys.path:
+            sys.path.append(directory)
     with _importing:
         file = beside(name, folder)
         if not file.is_file() or is_imported(name, folder):

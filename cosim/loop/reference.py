@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from cosim.errors import CosimError, PlantError
 from cosim.fmu.instance import Instance
 from cosim.loop.condition import Program
-from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Plant, one_each, problem_and_hint
+from cosim.loop.position import Position, Stage
 from cosim.loop.recorder import Recorder, Sink
 from cosim.loop.wires.connect import Connector
 from cosim.loop.wires.connections import Connections, Inputs, Slot
@@ -43,7 +43,7 @@ class Parts:
     """Inputs of a run: FMUs in the order of the scenario, plant and connections after `initialise`.
 
     The run ends in the first row for which `stop_when` is true. `when` holds the start conditions of the
-    injections, or None. `interrupt` is called after every step and may raise. `place` records whose code
+    injections, or None. `interrupt` is called after every step and may raise. `position` records whose code
     runs. `sink` receives the rows of the trace; without it they are kept.
     """
 
@@ -55,7 +55,7 @@ class Parts:
     when: Sequence[Expression | None] = ()
     progress: Progress | None = None
     interrupt: Callable[[], None] = lambda: None
-    place: Place = field(default_factory=Place)
+    position: Position = field(default_factory=Position)
     sink: Sink | None = None
 
 
@@ -100,37 +100,37 @@ def recording(parts: Parts) -> Recorder:
 
 def recorded(parts: Parts, recorder: Recorder, steps: int) -> Recording:
     """End a run without an error; log what its FMUs reported."""
-    parts.place.end_steps([choice.label for choice in parts.scenario.fmus])
+    parts.position.end_steps([choice.label for choice in parts.scenario.fmus])
     for fmu in parts.fmus:
         fmu.report()
     return Recording(recorder.recorded(steps), steps, parts.connections.begins)
 
 
 def initialise(
-    scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int, place: Place
+    scenario: Scenario, fmus: Sequence[Instance], plant: Plant, seed: int, position: Position
 ) -> Connections:
     """Reset the plant, and initialize the FMUs in their order with their inputs of t = 0.
 
     Inputs of an FMU whose source is initialized later keep their start values until the first step. The
     measurements of t = 0 are in `sensed` of the result; the first step does not sample again.
     """
-    place.at(Stage.RESET_PLANT)
+    position.at(Stage.RESET_PLANT)
     reset_plant(plant, scenario, child(seed, "plant"))
-    place.at(Stage.NONE)
+    position.at(Stage.NONE)
     connector = Connector(scenario, fmus, plant, seed)
     connections = connector.connections()
     loop = scenario.loop
-    place.at(Stage.STEP_PLANT)
+    position.at(Stage.STEP_PLANT)
     with locating(fmus[0], scenario):
         connections.sensed[:] = one_each(plant.sense(), plant.readings, "sense")
     for choice, fmu, inputs in zip(scenario.fmus, fmus, connections.fmus, strict=True):
-        place.at(Stage.INITIALISE, choice.label)
+        position.at(Stage.INITIALISE, choice.label)
         every = loop.every(choice.step)
         last = (loop.steps - 1) // every * every * loop.step
         # the last step of a slower FMU may end after the run
         stop = max(loop.duration, last + every * loop.step)
         fmu.initialise(choice.parameters, stop, partial(arrive_first, inputs, fmu, scenario))
-    place.at(Stage.NONE)
+    position.at(Stage.NONE)
     connector.prime()
     return connections
 
@@ -154,7 +154,7 @@ def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.f
     scenario, plant, connections = parts.scenario, parts.plant, parts.connections
     stop_when, progress, loop = parts.stop_when, parts.progress, scenario.loop
     triggers = triggers_of(parts)
-    place, page, interrupt = parts.place, parts.place.page, parts.interrupt
+    position, page, interrupt = parts.position, parts.position.page, parts.interrupt
     rates = [(choice.label, loop.every(choice.step)) for choice in scenario.fmus]
     fmus = list(zip(rates, parts.fmus, connections.fmus, strict=True))
 
@@ -173,7 +173,7 @@ def steps(parts: Parts, recorder: Recorder) -> Generator[tuple[int, NDArray[np.f
             for (name, every), fmu, inputs in fmus:
                 arrive(inputs, k)
                 if k % every == 0:
-                    place.at(Stage.STEP, name)
+                    position.at(Stage.STEP, name)
                     ended |= fmu.compute(time, every * loop.step)
                     page.stage = Stage.STEP_PLANT
             # act: the commands of this step, or of `compute_delay` steps ago

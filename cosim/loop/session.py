@@ -17,7 +17,7 @@ from cosim.fmu.description import FmuFile
 from cosim.fmu.instance import Instance
 from cosim.loop import condition, fmus, native, plant, recorder, reference, repeats, undriven
 from cosim.loop.engines import Engine, checked
-from cosim.loop.place import Place, Stage
+from cosim.loop.position import Position, Stage
 from cosim.loop.reference import Parts, Progress, Recording
 from cosim.loop.result import Result
 from cosim.metrics import criteria, drawable
@@ -48,7 +48,7 @@ class Session(Closing):
         written in Python always run in the reference engine.
     previous
         A session that is no longer used: suitable FMUs and plants are reused, the others closed.
-    place
+    position
         Records whose code runs; may be None.
 
     Raises
@@ -63,23 +63,23 @@ class Session(Closing):
         log_events: bool = False,
         engine: Engine = "reference",
         previous: Session | None = None,
-        place: Place | None = None,
+        position: Position | None = None,
     ) -> None:
         self.scenario, self.requested, self.log_events = scenario, checked(engine), log_events
-        self.place = place or Place()
+        self.position = position or Position()
         self.has_plant = self.plant_used = self.complete = False
         self.fmus: tuple[Instance, ...] = ()
         self._open(previous)
 
     def _open(self, previous: Session | None) -> None:
         """Open FMUs and plant, or take them from a session that is no longer used; check that they fit."""
-        scenario, place = self.scenario, self.place
+        scenario, position = self.scenario, self.position
         self.begin()
         with located(scenario), contextlib.ExitStack() as opened:
             files = fmus.open_files(scenario)
-            place.at(Stage.BUILD_PLANT)
+            position.at(Stage.BUILD_PLANT)
             self.plant = open_plant(scenario, previous)
-            place.at(Stage.NONE)
+            position.at(Stage.NONE)
             self.has_plant = True
             opened.callback(self.close_plant)
             self.plant_used = previous is not None and self.plant is previous.plant and previous.plant_used
@@ -87,9 +87,9 @@ class Session(Closing):
             self.engine = native.choose(self.requested, scenario, self.plant, files.values())
             check_timestep(scenario, self.plant.timestep)
             before = () if previous is None else previous.fmus
-            self.fmus = fmus.open_instances(scenario, files, self.log_events, before, place)
-            place.at(Stage.NONE)
-            opened.callback(fmus.close, self.fmus, place)
+            self.fmus = fmus.open_instances(scenario, files, self.log_events, before, position)
+            position.at(Stage.NONE)
+            opened.callback(fmus.close, self.fmus, position)
             self._compile()
             opened.pop_all()
 
@@ -106,7 +106,7 @@ class Session(Closing):
     def begin(self) -> None:
         """Record the start of another run."""
         scenario, loop = self.scenario, self.scenario.loop
-        self.place.begin(scenario.fmus[0].label, scenario.plant.name, loop.steps, loop.step)
+        self.position.begin(scenario.fmus[0].label, scenario.plant.name, loop.steps, loop.step)
 
     def _compile(self) -> None:
         """Compile all expressions against the columns of the trace."""
@@ -186,13 +186,13 @@ class Session(Closing):
 
     def start(self, seed: int) -> Parts:
         """Initialize the FMUs and reset the plant for a run with a valid seed; return the parts of a run."""
-        scenario, place = self.scenario, self.place
+        scenario, position = self.scenario, self.position
         self.complete = False
         self.begin()
         undriven.report(scenario, self.fmus, self.plant)
         self.plant_used = True
-        connections = reference.initialise(scenario, self.fmus, self.plant, seed, place)
-        return Parts(scenario, self.fmus, self.plant, connections, self.stop, self.when, place=place)
+        connections = reference.initialise(scenario, self.fmus, self.plant, seed, position)
+        return Parts(scenario, self.fmus, self.plant, connections, self.stop, self.when, position=position)
 
     def _loop(self, parts: Parts, known: Result, file: Path | None, sums: recorder.Checksums) -> Recording:
         """Run the closed loop; the trace goes to a file if one is given."""
@@ -224,10 +224,10 @@ class Session(Closing):
             with repeats.muted():
                 same = self._repeated(first, used[0], interrupt) == first.outcome
             repeats.verdicts[self.key, used] = same
-            self.place.page.repeated += 1
+            self.position.page.repeated += 1
         if not known:
             problem = "keeps state: its first run gives other results when it is repeated in the same process"
-            error = repeats.NewProcessError(f"{self.place.ran()} {problem}", repeats.SEPARATE)
+            error = repeats.NewProcessError(f"{self.position.ran()} {problem}", repeats.SEPARATE)
             error.state = True
             raise error
 
@@ -236,10 +236,10 @@ class Session(Closing):
         sums = recorder.Checksums()
         if not used:
             # one after the other, as runs are: instances of a library may share its variables
-            fmus.close(self.fmus, self.place)
+            fmus.close(self.fmus, self.position)
         try:
             previous = self if used else None
-            other = Session(first.scenario, self.log_events, first.engine, previous, self.place)
+            other = Session(first.scenario, self.log_events, first.engine, previous, self.position)
         except CosimError as error:
             return error.message
         try:
@@ -274,18 +274,18 @@ class Session(Closing):
         """
         for choice, fmu in zip(self.scenario.fmus, self.fmus, strict=True):
             if self.complete and fmu.running:
-                self.place.at(Stage.READ, choice.label)
+                self.position.at(Stage.READ, choice.label)
                 fmu.read_all()
-        fmus.close(self.fmus, self.place)
+        fmus.close(self.fmus, self.position)
         self.close_plant()
 
     def close_plant(self) -> None:
         """Close the plant, unless it is closed or reused."""
         if self.has_plant:
             self.has_plant = False
-            self.place.at(Stage.CLOSE_PLANT)
+            self.position.at(Stage.CLOSE_PLANT)
             plant.close(self.plant, self.scenario.plant.name)
-        self.place.at(Stage.NONE)
+        self.position.at(Stage.NONE)
 
 
 def checked_seed(seed: Any) -> int:

@@ -14,8 +14,8 @@ from cosim.errors import FmuError
 from cosim.fmu.archive import open_fmu
 from cosim.fmu.description import FmuFile, Variable
 from cosim.loop import plant
-from cosim.loop.place import Place, Stage
 from cosim.loop.plant import Channel
+from cosim.loop.position import Position, Stage
 from cosim.show.display import limits_text
 from cosim.units import UNCHANGED, Conversion, conversion
 
@@ -88,8 +88,8 @@ class Draft:
     sides: tuple[Side, Side]
 
 
-def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
-    """Draft of a scenario in a folder; `place` records whose code runs."""
+def draft(fmu: str, plant_name: str, folder: Path, position: Position) -> Draft:
+    """Draft of a scenario in a folder; `position` records whose code runs."""
     if fmu.endswith(plant.MJCF):
         hint = f"Give the FMU first: `cosim new {plant_name or 'FMU'} {fmu}`."
         raise FmuError(f"`{paths.brief(fmu)}` is not an FMU", hint)
@@ -97,9 +97,9 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
     inputs, outputs = variables(file, "input"), variables(file, "output")
     required: dict[str, tuple[str, str]] = {}
     timestep, sensed, commanded = 0.0, list[End](), list[End]()
-    place.begin(file.name, plant_name, 0, 0.0)
+    position.begin(file.name, plant_name, 0, 0.0)
     if plant_name:
-        place.at(Stage.BUILD_PLANT)
+        position.at(Stage.BUILD_PLANT)
         try:
             # the plants of MJCF files with RK4 have a value for `integrator`
             required = getattr(plant.plant_class(plant_name, Path.cwd()), "required", {})
@@ -109,9 +109,9 @@ def draft(fmu: str, plant_name: str, folder: Path, place: Place) -> Draft:
             raise plant.exited(plant_name, error) from error
         sensed, commanded = channels(driven.readings), channels(driven.commands)
         timestep = driven.timestep
-        place.at(Stage.CLOSE_PLANT)
+        position.at(Stage.CLOSE_PLANT)
         plant.close(driven, plant_name)
-        place.at(Stage.NONE)
+        position.at(Stage.NONE)
     step, substeps = wanted_step(file), 1
     if timestep > 0.0:
         substeps = max(1, round(step / timestep))

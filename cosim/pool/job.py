@@ -13,7 +13,7 @@ from cosim.loop.repeats import Verdicts
 
 if TYPE_CHECKING:
     from cosim.loop.engines import Engine
-    from cosim.loop.place import Place
+    from cosim.loop.position import Position
     from cosim.loop.reference import Progress
     from cosim.loop.result import Result
     from cosim.loop.session import Session
@@ -44,7 +44,7 @@ class WorkerError(CosimError):
 class WorkerContext(Protocol):
     """Environment of a task."""
 
-    place: Place
+    position: Position
     progress: Progress | None
 
     def session(self, scenario: Scenario, engine: Engine, log_events: bool = False) -> Session:

@@ -10,7 +10,7 @@ from typing import Any
 
 from cosim import interrupts
 from cosim.errors import CosimError
-from cosim.loop.place import Stage
+from cosim.loop.position import Stage
 from cosim.pool.job import WorkerContext
 from cosim.pool.limits import Limits
 from cosim.pool.supervisor import Worker
@@ -66,13 +66,13 @@ class ImportPlant:
         """Import it."""
         from cosim.loop import plant
 
-        context.place.begin("", self.name, 0, 0.0)
-        context.place.at(Stage.BUILD_PLANT)
+        context.position.begin("", self.name, 0, 0.0)
+        context.position.at(Stage.BUILD_PLANT)
         try:
             plant.plant_class(self.name, self.folder)
         except SystemExit as error:
             raise plant.exited(self.name, error) from error
-        context.place.at(Stage.NONE)
+        context.position.at(Stage.NONE)
 
 
 def check_import(name: str, folder: Path) -> None:

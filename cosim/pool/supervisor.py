@@ -122,7 +122,7 @@ class Worker(Closing):
         handle = self.start(memory)
         if handle.output:
             handle.output.kept = b""
-        handle.place.clear()
+        handle.position.clear()
         first = not handle.tasks
         handle.tasks += 1
         handle.busy, handle.last_log = True, ""
@@ -157,7 +157,7 @@ class Worker(Closing):
         memory = self.limits.memory if handle.memory is None else None
         periods = progress and PROGRESS_INTERVAL, memory and MEMORY_INTERVAL, ALIVE_INTERVAL
         interval = min(filter(None, periods))
-        page, end, repeated = handle.place.page, self.deadline(handle), 0
+        page, end, repeated = handle.position.page, self.deadline(handle), 0
         while True:
             left = max(0.0, end - time.monotonic())
             frame = handle.receive(min(left, interval))
@@ -218,7 +218,7 @@ class Worker(Closing):
         self.end(handle, f"it is not ready within {START_TIMEOUT:g} s")
         key = self.limits.keys[0]
         text = f"no result within `{key}` = `{self.limits.timeout:g}` s"
-        where = handle.position(handle.place.who(), "did not return")
+        where = handle.where(handle.position.who(), "did not return")
         hint = f"Increase `{key}`, or check the scenario for a hang."
         return WorkerError("timeout", f"{text}: {where}" if where else text, hint)
 
@@ -227,14 +227,14 @@ class Worker(Closing):
         self.kill()
         limit = f"`{self.limits.keys[1]}` = `{memory / 1e6:g}` MB"
         text = f"`{used / 1e6:.0f}` MB of memory are more than {limit}"
-        where = handle.position(handle.place.who())
+        where = handle.where(handle.position.who())
         return WorkerError("memory", f"{text}, used by {where}" if where else text)
 
     def garbled(self, handle: WorkerHandle) -> WorkerError:
         """End a process with a corrupted connection; return the error."""
         how = "the connection to the worker process is corrupted"
         self.end(handle, how)
-        who = handle.place.ran() or "a task"
+        who = handle.position.ran() or "a task"
         return WorkerError("crashed", f"{who} wrote to a foreign file descriptor: {how}")
 
     def crashed(self, handle: WorkerHandle) -> WorkerError:
@@ -246,8 +246,8 @@ class Worker(Closing):
         if output := handle.last_output():
             how += f"; its last output: {output}"
         self.end(handle, how)
-        who = handle.place.who() or handle.place.ran() or "the worker process"
-        return WorkerError("crashed", f"{handle.position(who, 'crashed')}: {how}")
+        who = handle.position.who() or handle.position.ran() or "the worker process"
+        return WorkerError("crashed", f"{handle.where(who, 'crashed')}: {how}")
 
     def finish(self) -> None:
         """Let an idle process close FMU and plant and end; kill it after a timeout.
@@ -272,10 +272,10 @@ class Worker(Closing):
         finally:
             code = handle.process.poll()
             self.kill()
-        who = handle.place.who()
+        who = handle.position.who()
         if not self.closed and (who or late or code):
             how = f"it did not end within {GRACE:g} s and was killed" if late else ending(code)
-            where = handle.position(who or "a worker process", "hung" if late else "crashed")
+            where = handle.where(who or "a worker process", "hung" if late else "crashed")
             warn_once(f"{where}: {how}")
 
     def kill(self) -> None:

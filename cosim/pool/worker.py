@@ -21,7 +21,7 @@ from cosim.closing import Closing
 from cosim.errors import CosimError, UnforeseenError, unforeseen
 from cosim.loop import fmus, repeats
 from cosim.loop.engines import Engine
-from cosim.loop.place import Place, Stage
+from cosim.loop.position import Position, Stage
 from cosim.loop.reference import Progress
 from cosim.loop.session import Session
 from cosim.pool.channel import Frame, MessageChannel
@@ -38,8 +38,8 @@ log = logging.getLogger("cosim")
 class JobRunner(Closing):
     """Executes tasks in sequence as their context; FMU and plant stay open for jobs that share them."""
 
-    def __init__(self, place: Place | None = None) -> None:
-        self.place = place or Place()
+    def __init__(self, position: Position | None = None) -> None:
+        self.position = position or Position()
         self.progress: Progress | None = None
         self.opened: Session | None = None
         self.wanted: tuple[Scenario, Engine, bool] | None = None
@@ -64,7 +64,7 @@ class JobRunner(Closing):
         """Session of a scenario; suitable open FMUs and plants are reused."""
         wanted = scenario, engine, log_events
         if self.opened is None or self.wanted != wanted:
-            self.opened = Session(scenario, log_events, engine, self.opened, self.place)
+            self.opened = Session(scenario, log_events, engine, self.opened, self.position)
             self.wanted = wanted
         return self.opened
 
@@ -73,7 +73,7 @@ class JobRunner(Closing):
         session, self.opened = self.opened, None
         if session is not None:
             session.close()
-        self.place.at(Stage.NONE)
+        self.position.at(Stage.NONE)
 
 
 class Forward(logging.Handler):
@@ -95,7 +95,7 @@ def main(page: str, parent: int) -> None:
     """Serve stdin and stdout until the end is requested, or until the other side closes them."""
     gc.enable()
     die_with(parent)
-    channel, place = channel_of_streams(), Place(Path(page))
+    channel, position = channel_of_streams(), Position(Path(page))
     # Windows keeps it until both sides are done
     with contextlib.suppress(OSError):
         Path(page).unlink()
@@ -104,11 +104,11 @@ def main(page: str, parent: int) -> None:
     forward = Forward(channel)
     fmus.strict = True
     exceeded = confined(tasks)
-    with JobRunner(place) as runner, once():
+    with JobRunner(position) as runner, once():
         channel.send(("ready", os.getpid()))
         before = process.belongings()
         while (request := awaited(tasks)) is not None:
-            outcome, fit = inspected(exceeded or done(runner, request, forward), before, place)
+            outcome, fit = inspected(exceeded or done(runner, request, forward), before, position)
             channel.send(("done", (outcome, fit and not repeats.spoilt(), repeats.verdicts)))
     # a last search for reference cycles in all imported modules would take longer than the rest of the end
     gc.freeze()
@@ -175,12 +175,12 @@ def done(runner: JobRunner, request: Request | CosimError, forward: Forward) -> 
     return outcome
 
 
-def inspected(outcome: Any, before: dict[str, object], place: Place) -> tuple[Any, bool]:
+def inspected(outcome: Any, before: dict[str, object], position: Position) -> tuple[Any, bool]:
     """Outcome, and whether the process state is unchanged; logs a change."""
     changed = process.changed(before)
     if not changed:
         return outcome, True
-    problem = f"{place.ran() or 'a task'} changed {changed} of its process"
+    problem = f"{position.ran() or 'a task'} changed {changed} of its process"
     if isinstance(outcome, UnforeseenError):
         outcome.message = f"{problem}: {outcome.__cause__}"
     elif isinstance(outcome, CosimError) and process.LIMITS in changed:

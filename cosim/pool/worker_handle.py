@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import IO, Any
 
 from cosim.errors import CosimError
-from cosim.loop.place import PAGE, Place
+from cosim.loop.position import PAGE, Position
 from cosim.pool.channel import Frame, MessageChannel, NoMessageError
 from cosim.process import POSIX
 
@@ -71,9 +71,9 @@ class WorkerHandle:
     channel: MessageChannel
     output: Output | None
     """The end of its output; None if it goes to stderr of this process."""
-    place: Place
+    position: Position
     page: Path
-    """File in which it records its `place`."""
+    """File in which it records its `position`."""
     memory: float | None = None
     """Memory limit of the operating system in bytes, or None; sent with its first task."""
     pid: int = 0
@@ -141,13 +141,13 @@ class WorkerHandle:
         if not self.thread.is_alive():
             # a pipe that a thread reads cannot be closed
             self.channel.close()
-        self.place.detach()
+        self.position.detach()
         with contextlib.suppress(OSError):
             self.page.unlink(missing_ok=True)
 
-    def position(self, who: str, did: str = "") -> str:
+    def where(self, who: str, did: str = "") -> str:
         """Return what an FMU or plant did, and when; empty if there is none."""
-        return " ".join(filter(None, (who, did, self.place.when()))) if who else ""
+        return " ".join(filter(None, (who, did, self.position.when()))) if who else ""
 
     def last_output(self) -> str:
         """Last line that it printed or logged; empty if its output goes to stderr."""
@@ -174,7 +174,7 @@ def spawn(relay: bool) -> WorkerHandle:
         with tempfile.NamedTemporaryFile(prefix="cosim-", delete=False) as file:
             page = Path(file.name)
             file.write(bytes(PAGE))
-        place = Place(page)
+        position = Position(page)
         # `-P`: a `numpy.py` in the working directory does not replace the package; the environment is that of
         # the user, because a run may start another Python, without variables that C code of a run set here
         command = COMMAND.format([*map(os.path.abspath, sys.path)], str(page), os.getpid())
@@ -197,7 +197,7 @@ def spawn(relay: bool) -> WorkerHandle:
     assert process.stdin is not None
     assert process.stdout is not None
     channel = MessageChannel(process.stdout, process.stdin)  # type: ignore[arg-type]
-    return WorkerHandle(process, channel, Output(process.stderr) if process.stderr else None, place, page)
+    return WorkerHandle(process, channel, Output(process.stderr) if process.stderr else None, position, page)
 
 
 def ending(code: int | None) -> str:

@@ -17,8 +17,8 @@ from cosim import extras, paths
 from cosim.check import lint
 from cosim.errors import CosimError, concerning
 from cosim.loop import fmus, time_series
-from cosim.loop.place import Place
 from cosim.loop.plant import MJCF
+from cosim.loop.position import Position
 from cosim.loop.session import Session, located
 from cosim.loop.wires.connect import PLANT
 from cosim.scenario.load import load
@@ -35,11 +35,11 @@ MOST = 2**31 - 1
 
 
 def write(
-    loop: str, changes: Sequence[str], seed: int | None, file: Path, place: Place | None = None
+    loop: str, changes: Sequence[str], seed: int | None, file: Path, position: Position | None = None
 ) -> Scenario:
     """Write a scenario as an SSP package, and return it; a seed of None is the scenario's.
 
-    `place` records whose code runs.
+    `position` records whose code runs.
     """
     scenario = load(loop, changes)
     with located(scenario):
@@ -50,7 +50,7 @@ def write(
             problem = f"the seed {number} cannot be a parameter of an SSP"
             raise rejected("loop.seed", problem, f"Use 0 to {MOST}.")
     # errors of a run are raised here, not in the master
-    with Session(scenario, place=place) as session:
+    with Session(scenario, position=position) as session:
         lint.check(session)
     with located(scenario):
         files = fmus.open_files(scenario)

@@ -59,7 +59,7 @@ class Bench:
         """Initialize FMU and plant for a run; return its connections and what steps the plant."""
         plant: Any = self.plant
         links = reference.initialise(
-            self.scenario, [self.fmu], self.plant, self.scenario.loop.seed, self.session.place
+            self.scenario, [self.fmu], self.plant, self.scenario.loop.seed, self.session.position
         )
         self.commands = links.commands
         return links, plant.machine()

@@ -226,14 +226,14 @@ class Connector:
         if side == PLANT:
             index, _ = self.channel(self.commanded, name, "command")
             return Slot(self.commands, index)
-        place = None
+        found = None
         if fmu := self.fmus.get(side):
-            place = slot(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
-        if place is None:
+            found = slot(fmu.inputs, lookup(fmu.file.variables, name, fmu.owner))
+        if found is None:
             inputs = ", ".join(f"`{known}.<input>`" for known in self.fmus)
             problem = f"`to` = `{to}`, it must be {inputs} or `plant.<command>`"
             raise ScenarioError(problem, similar(side, self.fmus))
-        return place
+        return found
 
     def channel(self, channels: dict[str, tuple[int, Channel]], name: str, kind: str) -> tuple[int, Channel]:
         """Index and channel by name."""

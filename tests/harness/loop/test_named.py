@@ -89,7 +89,7 @@ def test_an_error_shows_which_failed(write: Write) -> None:
         ):
             session.run()
         # the message of a watching process about a crash there
-        assert (session.place.who(), session.place.when()) == ("the FMU `b`", "at t = 0.004 s (step 4)")
+        assert (session.position.who(), session.position.when()) == ("the FMU `b`", "at t = 0.004 s (step 4)")
 
 
 def test_an_fmu_that_allows_one_instance_is_rejected_twice(

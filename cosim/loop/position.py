@@ -67,7 +67,7 @@ class Page(ctypes.Structure):
     )
 
 
-class Place:
+class Position:
     """Position of a run; a field of `page` is written before each call of foreign code.
 
     The floating-point environment is restored after each stage, because a change by one FMU would change the
