@@ -1,5 +1,6 @@
 //! Looks into an FMU that is packed already, whoever made it.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -18,7 +19,7 @@ use crate::platform::Platform;
 pub struct Report {
     /// Lines for people.
     pub text: String,
-    /// Violations of the standard; limits of portability are no faults.
+    /// Violations of the standard, without limits of portability.
     pub faults: usize,
 }
 
@@ -34,25 +35,33 @@ pub fn inspect(file: &Path) -> Result<Report> {
     let description = String::from_utf8(description).with_context(|| format!("`{DESCRIPTION}` is no UTF-8"))?;
     let interface = Interface::read(&description).with_context(|| format!("`{shown}`"))?;
     let mut report = Report { text: head(&interface), faults: 0 };
-    if interface.identifiers.is_empty() {
+    if interface.required.is_empty() {
         report.add(&[format!("`{DESCRIPTION}` has no `modelIdentifier`")]);
     }
 
     let mut names = archive.file_names().filter_map(Result::ok).map(String::from).collect::<Vec<_>>();
     names.retain(|name| is_library(name));
     names.sort();
-    for name in names {
-        let library = read(&mut archive, &name)?;
-        let _ = writeln!(report.text, "{name} ({} kB)", library.len().div_ceil(1000));
-        if !is_model(&name, &interface.identifiers) {
-            let _ = writeln!(report.text, "    another library, not of FMI");
-            continue;
+    let known: BTreeSet<_> = names.iter().map(|name| platform_and_model(name)).collect();
+    for folder in known.iter().map(|(folder, _)| folder).collect::<BTreeSet<_>>() {
+        let lacks = |identifier: &&String| !known.contains(&(*folder, identifier.as_str()));
+        for identifier in interface.required.keys().filter(lacks) {
+            report.add(&[format!("`binaries/{folder}` has no library of `{identifier}`")]);
         }
+    }
+    for name in &names {
+        let library = read(&mut archive, name)?;
+        let _ = writeln!(report.text, "{name} ({} kB)", library.len().div_ceil(1000));
+        let (folder, identifier) = platform_and_model(name);
+        let Some(required) = interface.required.get(identifier) else {
+            let _ = writeln!(report.text, "    another library, not checked");
+            continue;
+        };
         match Facts::read(&library) {
             Ok(facts) => {
                 let _ = writeln!(report.text, "    {facts}");
-                report.add(&inspect::incomplete(&facts, &interface.functions));
-                if let Some(platform) = name.split('/').nth(1).and_then(Platform::find) {
+                report.add(&inspect::incomplete(&facts, required.iter().copied()));
+                if let Some(platform) = Platform::find(folder) {
                     report.add(&inspect::misplaced(&facts, platform, &interface.guid));
                 }
                 for limit in inspect::limits(&library, &facts, &Rules::for_anyone()) {
@@ -65,10 +74,11 @@ pub fn inspect(file: &Path) -> Result<Report> {
     Ok(report)
 }
 
-/// Whether a file in `binaries` has the name of the model.
-fn is_model(path: &str, identifiers: &[String]) -> bool {
-    let stem = Path::new(path).file_stem().unwrap_or_default();
-    identifiers.iter().any(|identifier| stem == identifier.as_str())
+/// Platform and model of a library by its path: `binaries/win64/a.dll` gives `win64` and `a`.
+fn platform_and_model(path: &str) -> (&str, &str) {
+    let inside = path.trim_start_matches("binaries/");
+    let (folder, file) = inside.split_once('/').unwrap_or(("", inside));
+    (folder, file.rsplit_once('.').map_or(file, |(stem, _)| stem))
 }
 
 impl Report {

@@ -173,7 +173,7 @@ fn flags(project: &Project, platform: &Platform) -> Result<String> {
     Ok(flags.join("\u{1f}"))
 }
 
-/// Compiler flags by which the linker of a platform gives the same bytes each time.
+/// The compiler flag with which the linker of a platform gives the same bytes each time, if it needs one.
 ///
 /// # Errors
 /// When this machine is none of the known platforms.

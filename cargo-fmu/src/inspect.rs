@@ -67,39 +67,48 @@ pub fn missing(facts: &Facts) -> Vec<&'static str> {
 }
 
 /// The required functions that a library does not export, one sentence each.
-pub fn incomplete(facts: &Facts, required: &[&str]) -> Vec<String> {
-    let missing = required.iter().filter(|name| !facts.exports.contains(**name));
+pub fn incomplete<'a>(facts: &Facts, required: impl IntoIterator<Item = &'a str>) -> Vec<String> {
+    let missing = required.into_iter().filter(|name| !facts.exports.contains(*name));
     missing.map(|name| format!("`{name}` is not exported")).collect()
 }
 
 /// Everything that keeps a library from running everywhere, one sentence each; the standard allows it.
 pub fn limits(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
     let known = |name: &str| FMI2_FUNCTIONS.contains(&name) || name.starts_with(OWN_PREFIX);
-    let extra = facts.exports.iter().filter(|name| !known(name));
-    let mut faults: Vec<_> = extra.map(|name| format!("`{name}` is exported and should not be")).collect();
+    let extra = first_of(facts.exports.iter().filter(|name| !known(name)));
+    let mut limits: Vec<_> = extra.map(|name| format!("{name} is exported and should not be")).into_iter().collect();
     let named = rules.folders.iter().filter(|folder| contains(library, folder.as_bytes()));
-    faults.extend(named.map(|folder| format!("the builder's folder `{folder}` is named inside")));
+    limits.extend(named.map(|folder| format!("the builder's folder `{folder}` is named inside")));
     if let Some((major, minor)) = rules.glibc {
         let new = facts.glibc.iter().filter(|(_, version)| *version > &(major, minor));
-        faults.extend(new.map(|(name, (needed_major, needed_minor))| {
+        limits.extend(new.map(|(name, (needed_major, needed_minor))| {
             format!("`{name}` needs GLIBC_{needed_major}.{needed_minor}, newer than GLIBC_{major}.{minor}")
         }));
     }
-    let unbound = facts.unbound.iter();
-    faults.extend(unbound.map(|name| format!("it does not bind its own `{name}` at build time")));
-    faults.extend(facts.search_paths.iter().map(|folders| format!("it searches libraries in `{folders}` (RPATH)")));
+    let unbound = first_of(facts.unbound.iter());
+    limits.extend(unbound.map(|name| format!("it does not bind its own {name} at build time")));
+    limits.extend(facts.search_paths.iter().map(|folders| format!("it searches libraries in `{folders}` (RPATH)")));
     let allowed = |name: &str| is_of_the_system(facts.format, name) || rules.libgcc && name.starts_with(LIBGCC);
     let foreign = facts.libraries.iter().filter(|name| !allowed(name));
-    faults.extend(foreign.map(|name| format!("it needs the library `{name}`")));
+    limits.extend(foreign.map(|name| format!("it needs the library `{name}`")));
     if facts.executable_stack {
-        faults.push("it asks for an executable stack".into());
+        limits.push("it asks for an executable stack".into());
     }
-    faults
+    limits
+}
+
+/// The first name with the number of the others: a C++ library has hundreds.
+fn first_of<'a>(mut names: impl Iterator<Item = &'a String>) -> Option<String> {
+    let first = names.next()?;
+    Some(match names.count() {
+        0 => format!("`{first}`"),
+        more => format!("`{first}` (and {more} more)"),
+    })
 }
 
 /// Everything that is wrong with a library of this project, one sentence each.
 pub fn faults(library: &[u8], facts: &Facts, rules: &Rules) -> Vec<String> {
-    [incomplete(facts, &FMI2_FUNCTIONS), limits(library, facts, rules)].concat()
+    [incomplete(facts, FMI2_FUNCTIONS), limits(library, facts, rules)].concat()
 }
 
 /// What is wrong with a library in this place of an FMU that has this GUID, one sentence each.

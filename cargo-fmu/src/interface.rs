@@ -1,6 +1,6 @@
 //! Variables of a model, read from its description.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use anyhow::{Context, Result, ensure};
 use roxmltree::{Document, Node};
@@ -16,10 +16,8 @@ pub struct Interface {
     pub tool: String,
     /// Model identifier for co-simulation: the name of the binary.
     pub identifier: String,
-    /// Model identifiers for co-simulation and model exchange, each once.
-    pub identifiers: Vec<String>,
-    /// Functions that the standard requires of the binary.
-    pub functions: Vec<&'static str>,
+    /// Functions that the standard requires of each binary, by model identifier.
+    pub required: BTreeMap<String, BTreeSet<&'static str>>,
     /// Name for people.
     pub name: String,
     pub description: String,
@@ -95,8 +93,6 @@ impl Interface {
             version.is_empty() || version.starts_with("2."),
             "the FMU has FMI {version}, only FMI 2.0 is read\nhint: Use `fmpy info FILE`."
         );
-        let identifiers: BTreeSet<_> =
-            ["CoSimulation", "ModelExchange"].map(|tag| first(tag, "modelIdentifier")).into();
         let choices = all("SimpleType").filter_map(|ty| Some((ty, child(ty, "Enumeration")?)));
         let choices: Vec<_> = choices.map(|(ty, items)| Choice::read(ty, items)).collect();
         let variables = all("ScalarVariable").map(|node| Quantity::read(node, &choices)).collect::<Result<_>>()?;
@@ -105,8 +101,7 @@ impl Interface {
             version,
             tool: text(root, "generationTool"),
             identifier: first("CoSimulation", "modelIdentifier"),
-            identifiers: identifiers.into_iter().filter(|identifier| !identifier.is_empty()).collect(),
-            functions: required(root),
+            required: required(root),
             name: text(root, "modelName"),
             description: text(root, "description"),
             guid: guid.to_owned(),
@@ -187,18 +182,22 @@ impl Quantity {
     }
 }
 
-/// Functions that the standard requires for the kinds and capabilities of a description.
-fn required(root: Node) -> Vec<&'static str> {
-    let applies = |tag: &str, capability: &str| {
-        let kinds = root.children().filter(|node| {
-            let name = node.tag_name().name();
-            if tag.is_empty() { matches!(name, "CoSimulation" | "ModelExchange") } else { name == tag }
-        });
-        let has = |kind: Node| !matches!(kind.attribute(capability), None | Some("false" | "0"));
-        kinds.into_iter().any(|kind| capability.is_empty() || has(kind))
-    };
-    let rules = REQUIRED.iter().filter(|(tag, capability, _)| applies(tag, capability));
-    rules.flat_map(|(_, _, functions)| functions.iter().copied()).collect()
+/// Functions that the standard requires for the kinds of an FMU and their capabilities, by model identifier.
+fn required(root: Node) -> BTreeMap<String, BTreeSet<&'static str>> {
+    let mut required = BTreeMap::<_, BTreeSet<_>>::new();
+    for kind in root.children() {
+        let name = kind.tag_name().name();
+        let identifier = text(kind, "modelIdentifier");
+        if identifier.is_empty() || !matches!(name, "CoSimulation" | "ModelExchange") {
+            continue;
+        }
+        let can = |capability: &str| !matches!(kind.attribute(capability), None | Some("false" | "0"));
+        let applies =
+            |tag: &str, capability: &str| (tag.is_empty() || tag == name) && (capability.is_empty() || can(capability));
+        let rules = REQUIRED.iter().filter(|(tag, capability, _)| applies(tag, capability));
+        required.entry(identifier).or_default().extend(rules.flat_map(|(_, _, functions)| *functions));
+    }
+    required
 }
 
 fn text(node: Node, attribute: &str) -> String {
@@ -226,20 +225,8 @@ pub mod tests {
         let [version, tool, identifier, name, description, guid, step] =
             ["2.0", "", "m", "M", "A model", "{0}", "0.001"].map(str::to_owned);
         let (choices, variables) = (Vec::new(), variables.collect());
-        let (identifiers, functions) = (vec![identifier.clone()], Vec::new());
-        Interface {
-            version,
-            tool,
-            identifier,
-            identifiers,
-            functions,
-            name,
-            description,
-            guid,
-            step,
-            choices,
-            variables,
-        }
+        let required = BTreeMap::from([(identifier.clone(), BTreeSet::new())]);
+        Interface { version, tool, identifier, required, name, description, guid, step, choices, variables }
     }
 
     #[test]
@@ -260,19 +247,24 @@ pub mod tests {
     #[test]
     fn functions_are_required_for_kinds_and_capabilities() {
         let read = |kinds: &str| {
-            Interface::read(&format!("<fmiModelDescription guid=\"g\">{kinds}</fmiModelDescription>")).unwrap()
+            Interface::read(&format!("<fmiModelDescription guid=\"g\">{kinds}</fmiModelDescription>")).unwrap().required
         };
         let cosimulation = read("<CoSimulation modelIdentifier=\"a\" canGetAndSetFMUstate=\"false\"/>");
-        assert_eq!((cosimulation.identifiers, cosimulation.functions.len()), (vec!["a".to_owned()], 24));
-        assert!(["fmi2GetDerivatives", "fmi2GetFMUstate"].iter().all(|name| !cosimulation.functions.contains(name)));
-        let both = read(
-            "<ModelExchange modelIdentifier=\"b\" canGetAndSetFMUstate=\"true\"/>\
-            <CoSimulation modelIdentifier=\"a\" maxOutputDerivativeOrder=\"1\"/>",
-        );
-        assert_eq!(both.identifiers, ["a", "b"]);
-        for name in ["fmi2GetDerivatives", "fmi2GetFMUstate", "fmi2GetRealOutputDerivatives", "fmi2DoStep"] {
-            assert!(both.functions.contains(&name), "{name}");
-        }
+        assert_eq!((cosimulation.len(), cosimulation["a"].len()), (1, 24));
+        assert!(["fmi2GetDerivatives", "fmi2GetFMUstate"].iter().all(|name| !cosimulation["a"].contains(name)));
+
+        let both = |exchange: &str| {
+            read(&format!(
+                "<ModelExchange modelIdentifier=\"{exchange}\" canGetAndSetFMUstate=\"true\"/>\
+                <CoSimulation modelIdentifier=\"a\" maxOutputDerivativeOrder=\"1\"/>"
+            ))
+        };
+        let (of_cosimulation, of_exchange) =
+            (["fmi2GetRealOutputDerivatives", "fmi2DoStep"], ["fmi2GetDerivatives", "fmi2GetFMUstate"]);
+        let (one, two) = (both("a"), both("b"));
+        assert!(of_cosimulation.iter().chain(&of_exchange).all(|name| one["a"].contains(name)));
+        assert!(of_cosimulation.iter().all(|name| two["a"].contains(name) && !two["b"].contains(name)));
+        assert!(of_exchange.iter().all(|name| two["b"].contains(name) && !two["a"].contains(name)));
     }
 
     #[test]

@@ -145,7 +145,18 @@ fn an_fmu_with_a_library_that_does_not_load() {
     assert_eq!(output.status.code(), Some(1), "{output:?}");
     let text = String::from_utf8(output.stdout).unwrap();
     has(&text, &["A, FMI 2.0, GUID 1", "binaries/linux64/a.so (1 kB)\n    warning: this is no library"]);
-    has(&text, &["binaries/linux64/libgain.so (1 kB)\n    another library, not of FMI\n"]);
+    assert!(!text.contains("has no library"), "{text}");
+    has(&text, &["binaries/linux64/libgain.so (1 kB)\n    another library, not checked\n"]);
+}
+
+#[test]
+fn an_fmu_without_the_library_of_its_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let library = ("binaries/win64/b.dll", b"no library".to_vec());
+    packed(folder.path(), "2.0", "<CoSimulation modelIdentifier=\"a\"/>", &[library]);
+    let output = cargo_fmu(folder.path(), &["inspect", "a.fmu"]);
+    assert_eq!(output.status.code(), Some(1), "{output:?}");
+    has(&String::from_utf8(output.stdout).unwrap(), &["    warning: `binaries/win64` has no library of `a`\n"]);
 }
 
 #[test]

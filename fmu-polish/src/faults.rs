@@ -65,7 +65,7 @@ impl Evidence<'_> {
     }
 
     /// A cycle or commissioning run is active, or is requested and waits for a valid sample.
-    fn requested(&self) -> bool {
+    fn active_or_requested(&self) -> bool {
         self.working() || (self.reading.pending && matches!(self.state, State::Idle | State::Done))
     }
 
@@ -97,11 +97,11 @@ fn readings(p: &Parameters, seen: &Evidence) -> Option<Fault> {
     first([
         (Fault::EmergencyStop, reading.stopped),
         (Fault::LongStep, seen.moves() && seen.long_step),
-        (Fault::PositionLost, (seen.moves() || seen.requested()) && reading.position_doubt.lost > maximum),
+        (Fault::PositionLost, (seen.moves() || seen.active_or_requested()) && reading.position_doubt.lost > maximum),
         (Fault::PositionJump, seen.moves() && reading.position_doubt.doubted > maximum),
         (Fault::Stroke, seen.moves() && beyond.max() > 0.0),
         // during the retract no force is needed
-        (Fault::ForceLost, seen.requested() && reading.force_doubt.lost > maximum),
+        (Fault::ForceLost, seen.active_or_requested() && reading.force_doubt.lost > maximum),
         (Fault::ForceJump, seen.working() && reading.force_doubt.doubted > maximum),
         (Fault::InvalidInput, seen.working() && reading.invalid > maximum),
     ])

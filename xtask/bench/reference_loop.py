@@ -64,7 +64,7 @@ def turn(session: cosim.Session) -> dict[str, float]:
 def main(scenario: str, repeats: int, longest: int) -> None:
     """Run a scenario of at most `steps` steps, `repeats` times in each form."""
     with cosim.Session(part(scenario, longest), engine="reference") as session:
-        # the second run of a process repeats the first, which no stopwatch shall measure
+        # the second run in a process first repeats the first run; keep that out of the measurement
         session.run()
         turns = [turn(session) for _ in range(repeats)]
     json.dump({name: [turn[name] for turn in turns] for name in turns[0]}, sys.stdout)
