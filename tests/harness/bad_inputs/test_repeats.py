@@ -151,6 +151,21 @@ def test_a_run_and_the_repetition_before_it_have_each_their_time(lag: Path) -> N
     assert [row["status"] for row in studies.rows(lag / "study.sweep")] == ["passed"] * 2
 
 
+def test_the_repetition_of_a_run_logs_nothing(lag: Path, caplog: pytest.LogCaptureFixture) -> None:
+    text = (lag / "lag.toml").read_text()
+    (lag / "first.toml").write_text(text.replace(', "plant.extra"', ""))
+    first = cosim.load("first.toml", ["controller.warn_at=3"])
+    cosim.run(first)
+    logged = caplog.messages.copy()
+    for message in ("something is odd", "nothing drives"):
+        assert any(message in one for one in logged)
+    caplog.clear()
+    cosim.run(cosim.load("lag.toml"))
+    assert caplog.messages == []
+    cosim.run(first)
+    assert caplog.messages == logged
+
+
 def script(folder: Path, body: str, name: str = "Law", file: str = "law.py") -> Path:
     """Build an FMU of a Python script in a folder, with a scenario in which it runs alone."""
     folder.mkdir()
