@@ -142,6 +142,7 @@ BAD = {
     "controller.mode=Near": "it must be one of `Off`, `Far`",
     "controller.m=[1, 2]": "`controller.m` has 2 values instead of 6",
     "controller.x=[1, 2, 3, 4]": "`controller.x` has 4 values instead of 3",
+    'controller.label="a\\u0000"': "it must be a text without NUL characters",
     "controller.n=4": "`controller.n` is a structural parameter and cannot be set",
     "controller.blob=1": "`controller.blob` is a variable of type `Binary` and cannot be set",
     "controller.gain=11": "the FMU rejected `controller.gain` = `11.0`: `gain` is above its limit",
@@ -153,6 +154,13 @@ BAD = {
 def test_a_value_that_does_not_fit_is_rejected(loop: Path, change: str) -> None:
     with pytest.raises(CosimError, match=re.escape(BAD[change])):
         run(loop, change)
+
+
+def test_an_array_of_texts_cannot_be_set(vector: Callable[..., Path], write: Write) -> None:
+    vector(('<Start value="hello"/>', '<Dimension start="2"/><Start value="hello"/>'))
+    problem = r"`controller.label\[1\]` is an array of type `String` and cannot be set"
+    with pytest.raises(FmuError, match=problem):
+        run(write(text=SCENARIO, name="vector.toml"), "controller.label[1]=a")
 
 
 @pytest.mark.parametrize(
