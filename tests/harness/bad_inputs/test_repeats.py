@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -119,16 +120,34 @@ def test_runs_from_python_do_not_see_environment_variables_that_an_earlier_one_s
     assert done.stdout == f"{' '.join(map(str, expected.values()))}\n" * 3
 
 
+PLANT = """
+import probe_plants
+runs = []
+class Keeping(probe_plants.Lag):
+    def reset(self, seed, duration):
+        super().reset(seed, duration)
+        runs.append(1)
+        self.x = {start}
+"""
+
+
 def test_a_plant_that_keeps_state_has_a_process_for_each_run(lag: Path) -> None:
-    (lag / "keeping.py").write_text(
-        "import probe_plants\nruns = []\nclass Keeping(probe_plants.Lag):\n"
-        "    def reset(self, seed, duration):\n        super().reset(seed, duration)\n"
-        "        runs.append(1)\n        self.x = float(len(runs))\n"
-    )
+    (lag / "keeping.py").write_text(PLANT.format(start="float(len(runs))"))
     scenario = cosim.load("lag.toml", ["plant.name=keeping:Keeping"])
     for workers in (1, 2):
         first, *others = (values(result) for result in cosim.run_many(scenario, [1, 1, 1], workers))
         assert others == [first, first]
+
+
+def test_a_plant_with_the_name_of_one_in_another_folder_is_checked_too(lag: Path, tmp_path: Path) -> None:
+    other = shutil.copytree(lag, tmp_path / "other")
+    for folder, start in ((lag, "1.0"), (other, "float(len(runs))")):
+        (folder / "keeping.py").write_text(PLANT.format(start=start))
+    found = [
+        values(cosim.run(cosim.load(folder / "lag.toml", ["plant.name=keeping:Keeping"])))
+        for folder in (lag, lag, other, other, other)
+    ]
+    assert found == [found[0]] * 5
 
 
 def test_an_fmu_that_repeats_its_results_costs_one_run_for_each_worker(lag: Path) -> None:

@@ -68,6 +68,12 @@ def test_signals_have_their_values_in_the_initialization_mode_as_in_fmpy(write: 
     assert column(result, "b.in")[0] == theirs["out"][0] == 10.0
 
 
+def test_a_delay_starts_with_the_output_of_the_initialized_fmu(write: Write) -> None:
+    text = LOOP + fmu("a") + fmu("b") + wire("a.sum", "b.in", "delay = 2\n") + signal("a.in", [0.0], [5.0])
+    # the sum is 0 until the end of the first step
+    assert column(run(write(text=text)), "b.in")[:4].tolist() == [0.0, 0.0, 0.005, 0.01]
+
+
 def test_an_injection_from_the_start_is_there_in_the_initialization_mode(write: Write) -> None:
     text = LOOP + fmu("a", gain=2.0) + fmu("b") + wire("a.out", "b.in", "delay = 1\n")
     fault = entry("inject", to="a.in", from_time=0.0, to_time=0.01, offset=3.0)
