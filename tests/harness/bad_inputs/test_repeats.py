@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import math
 import shutil
 import subprocess
 import sys
@@ -16,6 +17,9 @@ import cosim
 from cosim.errors import CosimError
 from cosim.loop import repeats
 from cosim.loop.repeats import NewProcessError
+from cosim.pool import executor
+from cosim.pool.job import Job
+from cosim.pool.limits import Limits
 
 from ..conftest import DATA, entry
 from ..sweep import studies
@@ -249,8 +253,21 @@ def test_two_scripts_of_one_name_in_one_loop_are_rejected(folder: Path) -> None:
 def test_a_script_with_the_name_of_the_module_of_a_plant_is_rejected(folder: Path) -> None:
     loop = script(folder / "one", "self.y = self.u")
     (folder / "one" / "law.py").write_text("from probe_plants import Lag")
-    with pytest.raises(CosimError, match=r"`.*Law.fmu` would use `.*law.py` in place of its own module"):
+    problem = (
+        r"`.*Law.fmu` would use `.*law.py` in place of its own module\nhint: Rename one of the modules\."
+    )
+    with pytest.raises(CosimError, match=problem):
         cosim.run(cosim.load(loop, ["plant.name=law:Lag", "loop.step=0.001"]))
+
+
+def test_a_script_does_not_see_what_another_one_left_in_a_worker(folder: Path) -> None:
+    loops = [
+        script(folder / "one", "import math; math.tau = self.y = self.u", file="one.py"),
+        script(folder / "two", "import math; self.y = math.tau", file="two.py"),
+    ]
+    jobs = [(number, Job(cosim.load(loop), 1, "reference", False)) for number, loop in enumerate(loops)]
+    found = [outcome for _, outcome in executor.outcomes(jobs, 1, Limits())]
+    assert [one.metrics["y"].value for one in found if isinstance(one, cosim.Result)] == [1.0, math.tau]
 
 
 def test_libraries_of_one_name_in_one_loop_are_rejected(folder: Path, probe_library: bytes) -> None:

@@ -109,6 +109,7 @@ VALUES = {
     "min(-isfinite(p.a))": -1.0,
     "count(p.a > 99) % count(p.a > 99)": np.nan,
     "count(p.a > 0) ** -1": 0.5,
+    "count(p.a[p.a] < 99)": 4.0,
 }
 
 

@@ -18,7 +18,7 @@ from cosim.metrics.criteria import compile_metrics, converted, drawn, unit_of
 from cosim.metrics.expression import Expression, Items
 from cosim.new.draft import End, match
 from cosim.scenario.model import Criterion, Metric
-from cosim.units import BASES, CONSTANTS, Definition, Unit, conversion, defined, of_fmu
+from cosim.units import BASES, CONSTANTS, Definition, Unit, beyond_si, conversion, defined, of_fmu
 
 from ..conftest import DATA, entry, grid, pack
 from ..loop.test_named import library
@@ -65,7 +65,16 @@ def test_units_of_si_convert(source: str, number: float, target: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "target"), [("Hz", "rad/s"), ("Pa", "J"), ("rad", "1"), ("kmin", "s"), ("MK.", "K"), ("", "m")]
+    ("source", "target"),
+    [
+        ("Hz", "rad/s"),
+        ("Pa", "J"),
+        ("rad", "1"),
+        ("kmin", "s"),
+        ("MK.", "K"),
+        ("", "m"),
+        ("pm9.pm9.pm9.pm9", "m9.m9.m9.m9"),
+    ],
 )
 def test_other_quantities_do_not_convert(source: str, target: str) -> None:
     assert conversion(source, target) is None
@@ -135,6 +144,7 @@ def test_the_definition_of_an_fmu_precedes_that_of_si() -> None:
     assert known["rad/s"] == defined("rad/s")
     assert conversion(Unit("rpm", known), "Hz") == (1.0 / 60.0, 0.0)
     assert set(known) == {"turn", "min", "rad/s", "rpm"}
+    assert beyond_si([Unit("rad/s", known), Unit("m", known)]) == {}
     names: dict[str, Items | None] = {"time": None, "a.x": None}
     derivative = Expression("derivative(a.x)", names, "`m`", units={"a.x": Unit("turn", known)})
     assert conversion(derivative.unit or "", "rad/s") == (6.28, 0.0)
