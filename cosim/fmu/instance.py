@@ -8,6 +8,7 @@ import os
 import threading
 from collections.abc import Callable, Iterator
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from fmpy.fmi1 import FMICallException
@@ -29,8 +30,8 @@ Move = tuple[str, Callable[[], int]]
 """Name and function of a call that moves the values of a bank."""
 
 log = logging.getLogger("cosim")
-_read: set[tuple[str, str]] = set()
-"""GUID and folder of the FMUs of which every number was read in this process."""
+_read: set[Path] = set()
+"""Folders of the FMUs of which every number was read in this process."""
 _loading = threading.Lock()
 """Locked while FMPy changes the working directory, which the threads of a process share."""
 
@@ -254,10 +255,9 @@ class Instance(Closing):
 
         A rejected call ends an instance, so the variables after the first are not read.
         """
-        known = (self.file.guid, str(self.file.folder))
-        if known in _read:
+        if self.file.folder in _read:
             return
-        _read.add(known)
+        _read.add(self.file.folder)
         for variable in self.file.variables.values():
             if not variable.base or variable.element:
                 continue

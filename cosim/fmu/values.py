@@ -46,9 +46,9 @@ def integer_type(kind: str) -> np.dtype[Any]:
 
 
 def fits(number: int, dtype: np.dtype[Any]) -> bool:
-    """Whether an integer type holds a number; signed ones are symmetric, without their lowest number."""
+    """Whether an integer type holds a number."""
     limits = np.iinfo(dtype)
-    return (-limits.max if limits.min else 0) <= number <= limits.max
+    return bool(limits.min <= number <= limits.max)
 
 
 def integer_text(dtype: np.dtype[Any]) -> str:

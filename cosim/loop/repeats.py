@@ -14,6 +14,7 @@ import threading
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from cosim import warned
 from cosim.errors import FmuError
 
 if TYPE_CHECKING:
@@ -78,15 +79,20 @@ def spoilt() -> bool:
 
 @contextlib.contextmanager
 def muted() -> Iterator[None]:
-    """Hide the messages of FMUs in this thread: a repetition logs what was logged before."""
+    """Hide what this thread logs: a repetition logs what was logged before."""
     own = threading.get_ident()
 
     def is_foreign(record: logging.LogRecord) -> bool:
         return record.thread != own
 
-    messages = logging.getLogger("cosim.fmu")
-    messages.addFilter(is_foreign)
+    loggers, seen = [logging.getLogger(name) for name in ("cosim", "cosim.fmu")], set(warned.seen)
+    for one in loggers:
+        one.addFilter(is_foreign)
     try:
         yield
     finally:
-        messages.removeFilter(is_foreign)
+        for one in loggers:
+            one.removeFilter(is_foreign)
+        # the run that follows logs its own warnings
+        with warned.lock:
+            warned.seen.intersection_update(seen)

@@ -69,13 +69,13 @@ def pack(target: Path, description: str, members: dict[str, bytes]) -> Path:
     return target
 
 
-def compiled(folder: Path, name: str) -> bytes:
-    """Compile a library for tests from the C file of that name."""
+def compiled(folder: Path, source: Path) -> bytes:
+    """Compile a library for tests from a C file."""
     compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
     if compiler is None:
         pytest.fail("a C compiler is needed to build the FMUs")
-    library = folder / f"{name}.so"
-    command = [compiler, "-shared", "-fPIC", "-O1", f"-I{HEADERS}", str(DATA / f"{name}.c"), "-lm"]
+    library = folder / f"{source.stem}.so"
+    command = [compiler, "-shared", "-fPIC", "-O1", f"-I{HEADERS}", str(source), "-lm"]
     subprocess.run([*command, "-o", str(library)], check=True)
     return library.read_bytes()
 
@@ -83,13 +83,13 @@ def compiled(folder: Path, name: str) -> bytes:
 @pytest.fixture(scope="session")
 def probe_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Compile the probe."""
-    return compiled(tmp_path_factory.mktemp("probe"), "probe")
+    return compiled(tmp_path_factory.mktemp("probe"), DATA / "probe.c")
 
 
 @pytest.fixture(scope="session")
 def broken_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """Compile the library whose defect the GUID names."""
-    return compiled(tmp_path_factory.mktemp("defects"), "defects")
+    return compiled(tmp_path_factory.mktemp("defects"), DATA / "defects.c")
 
 
 @pytest.fixture(scope="session")

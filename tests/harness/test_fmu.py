@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-import subprocess
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +15,7 @@ from cosim.fmu import archive
 from cosim.fmu.archive import open_fmu
 from cosim.fmu.instance import Instance
 
-from .conftest import DATA, pack
+from .conftest import DATA, compiled, pack
 
 Write = Callable[..., Path]
 LIBRARY = f"binaries/{fmpy.platform}/probe{fmpy.sharedLibraryExtension}"
@@ -126,10 +124,7 @@ def test_a_library_that_cannot_be_loaded_is_rejected_and_the_folder_put_back(fol
 def test_a_library_without_a_function_is_rejected(folder: Path, tmp_path: Path) -> None:
     source = tmp_path / "empty.c"
     source.write_text("int fmi2GetNothing(void) { return 0; }\n")
-    library = tmp_path / "empty.so"
-    compiler = shutil.which("cc") or "gcc"
-    subprocess.run([compiler, "-shared", "-fPIC", str(source), "-o", str(library)], check=True)
-    pack(folder / "bad.fmu", description(), {LIBRARY: library.read_bytes()})
+    pack(folder / "bad.fmu", description(), {LIBRARY: compiled(tmp_path, source)})
     with pytest.raises(FmuError, match=r"the library of `Probe` lacks an FMI function: .*fmi2"):
         Instance(open_fmu(folder / "bad.fmu"), [], [])
 

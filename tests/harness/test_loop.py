@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Generator, Iterable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -325,3 +326,14 @@ def test_progress_is_reported(write: Write) -> None:
     reported: list[tuple[int, int]] = []
     cosim.run(cosim.load(write(), set=["loop.duration=1.2"]), progress=lambda k, n: reported.append((k, n)))
     assert reported == [(0, 1200), (500, 1200), (1000, 1200)]
+
+
+def test_a_plant_is_measured_once_in_a_step(write: Write, folder: Path) -> None:
+    (folder / "sensing.py").write_text(
+        "import probe_plants\nclass Sensing(probe_plants.Lag):\n    count = 0\n"
+        "    def sense(self):\n        self.count += 1\n        return super().sense()\n"
+    )
+    with cosim.Session(cosim.load(write(), set=["plant.name=sensing:Sensing"])) as session:
+        session.run()
+        plant: Any = session.plant
+    assert plant.count == 50

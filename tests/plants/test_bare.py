@@ -154,6 +154,7 @@ EDITS = {
     "timestep": ('timestep="0.001"', 'timestep="0.002"', 0.002),
     "gravity__z": ("0 0 -9.81", "0 0 -1.62", -1.62),
     "body__cart__mass": ('mass="1"', 'mass="2.5"', 2.5),
+    "body__pole__mass": ('mass="0.1"', 'mass="0.3"', 0.3),
     "joint__slide__damping": ('damping="0.5"', 'damping="3"', 3.0),
     "joint__slide__armature": ('damping="0.5"', 'damping="0.5" armature="0.7"', 0.7),
     "joint__slide__frictionloss": ('damping="0.5"', 'damping="0.5" frictionloss="0.2"', 0.2),
@@ -307,6 +308,11 @@ def test_inputs_are_called_as_in_mujoco(write: Write, case: str) -> None:
     text, units = INPUT[case]
     found = {one.name: one.unit for one in build(write((SERVO, text))).commands}
     assert {name: unit for name, unit in found.items() if name.startswith("servo")} == units
+
+
+def test_a_pid_without_an_integral_has_no_gain_of_it(write: Write) -> None:
+    file = write((SERVO, INPUT["pos-ff"][0]))
+    assert actuator_parameters(file, "servo").keys() == {"gear", "kp", "kv", "bias"}
 
 
 def test_a_quaternion_command_starts_as_no_rotation(write: Write) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import importlib
+import math
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -15,6 +17,9 @@ import cosim
 from cosim.errors import CosimError
 from cosim.loop import repeats
 from cosim.loop.repeats import NewProcessError
+from cosim.pool import executor
+from cosim.pool.job import Job
+from cosim.pool.limits import Limits
 
 from ..conftest import DATA, entry
 from ..sweep import studies
@@ -119,16 +124,34 @@ def test_runs_from_python_do_not_see_environment_variables_that_an_earlier_one_s
     assert done.stdout == f"{' '.join(map(str, expected.values()))}\n" * 3
 
 
+PLANT = """
+import probe_plants
+runs = []
+class Keeping(probe_plants.Lag):
+    def reset(self, seed, duration):
+        super().reset(seed, duration)
+        runs.append(1)
+        self.x = {start}
+"""
+
+
 def test_a_plant_that_keeps_state_has_a_process_for_each_run(lag: Path) -> None:
-    (lag / "keeping.py").write_text(
-        "import probe_plants\nruns = []\nclass Keeping(probe_plants.Lag):\n"
-        "    def reset(self, seed, duration):\n        super().reset(seed, duration)\n"
-        "        runs.append(1)\n        self.x = float(len(runs))\n"
-    )
+    (lag / "keeping.py").write_text(PLANT.format(start="float(len(runs))"))
     scenario = cosim.load("lag.toml", ["plant.name=keeping:Keeping"])
     for workers in (1, 2):
         first, *others = (values(result) for result in cosim.run_many(scenario, [1, 1, 1], workers))
         assert others == [first, first]
+
+
+def test_a_plant_with_the_name_of_one_in_another_folder_is_checked_too(lag: Path, tmp_path: Path) -> None:
+    other = shutil.copytree(lag, tmp_path / "other")
+    for folder, start in ((lag, "1.0"), (other, "float(len(runs))")):
+        (folder / "keeping.py").write_text(PLANT.format(start=start))
+    found = [
+        values(cosim.run(cosim.load(folder / "lag.toml", ["plant.name=keeping:Keeping"])))
+        for folder in (lag, lag, other, other, other)
+    ]
+    assert found == [found[0]] * 5
 
 
 def test_an_fmu_that_repeats_its_results_costs_one_run_for_each_worker(lag: Path) -> None:
@@ -149,6 +172,21 @@ def test_a_run_and_the_repetition_before_it_have_each_their_time(lag: Path) -> N
     (lag / "study.toml").write_text(studies.case_list(cases, "timeout = 3.5"))
     studies.sweep("study.toml", "--workers", "1")
     assert [row["status"] for row in studies.rows(lag / "study.sweep")] == ["passed"] * 2
+
+
+def test_the_repetition_of_a_run_logs_nothing(lag: Path, caplog: pytest.LogCaptureFixture) -> None:
+    text = (lag / "lag.toml").read_text()
+    (lag / "first.toml").write_text(text.replace(', "plant.extra"', ""))
+    first = cosim.load("first.toml", ["controller.warn_at=3"])
+    cosim.run(first)
+    logged = caplog.messages.copy()
+    for message in ("something is odd", "nothing drives"):
+        assert any(message in one for one in logged)
+    caplog.clear()
+    cosim.run(cosim.load("lag.toml"))
+    assert caplog.messages == []
+    cosim.run(first)
+    assert caplog.messages == logged
 
 
 def script(folder: Path, body: str, name: str = "Law", file: str = "law.py") -> Path:
@@ -215,8 +253,21 @@ def test_two_scripts_of_one_name_in_one_loop_are_rejected(folder: Path) -> None:
 def test_a_script_with_the_name_of_the_module_of_a_plant_is_rejected(folder: Path) -> None:
     loop = script(folder / "one", "self.y = self.u")
     (folder / "one" / "law.py").write_text("from probe_plants import Lag")
-    with pytest.raises(CosimError, match=r"`.*Law.fmu` would use `.*law.py` in place of its own module"):
+    problem = (
+        r"`.*Law.fmu` would use `.*law.py` in place of its own module\nhint: Rename one of the modules\."
+    )
+    with pytest.raises(CosimError, match=problem):
         cosim.run(cosim.load(loop, ["plant.name=law:Lag", "loop.step=0.001"]))
+
+
+def test_a_script_does_not_see_what_another_one_left_in_a_worker(folder: Path) -> None:
+    loops = [
+        script(folder / "one", "import math; math.tau = self.y = self.u", file="one.py"),
+        script(folder / "two", "import math; self.y = math.tau", file="two.py"),
+    ]
+    jobs = [(number, Job(cosim.load(loop), 1, "reference", False)) for number, loop in enumerate(loops)]
+    found = [outcome for _, outcome in executor.outcomes(jobs, 1, Limits())]
+    assert [one.metrics["y"].value for one in found if isinstance(one, cosim.Result)] == [1.0, math.tau]
 
 
 def test_libraries_of_one_name_in_one_loop_are_rejected(folder: Path, probe_library: bytes) -> None:

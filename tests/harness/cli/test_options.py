@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import re
 from collections.abc import Callable
@@ -24,10 +25,14 @@ COMMANDS = typer.main.get_command(app).commands  # type: ignore[attr-defined]
 
 
 @pytest.mark.parametrize("name", ["", *COMMANDS])
-def test_a_help_fits_into_80_columns(name: str) -> None:
-    shown = called(*filter(None, [name]), "--help", COLUMNS="80").stdout
+def test_a_help_fits_into_80_columns_with_a_line_for_each_example(name: str) -> None:
+    shown = called(*filter(None, [name]), "--help", COLUMNS="80", TERMINAL_WIDTH="80").stdout
     assert max(map(len, shown.splitlines())) <= 80
-    assert not re.search(r"\w\.\.\.$|<(str|int|float|path)\b", shown, re.MULTILINE)
+    assert not re.search(r"\x08|\w\.\.\.$|<(str|int|float|path)\b", shown, re.MULTILINE)
+    callback = COMMANDS[name].callback if name else None
+    text = inspect.cleandoc((callback and callback.__doc__) or "").replace("\b", "")
+    examples = {line.strip() for line in text.splitlines() if line.startswith("    ")}
+    assert examples <= {line.strip() for line in shown.splitlines()}
 
 
 def test_a_summary_is_complete_in_the_list_of_the_help_and_on_the_page_of_the_commands() -> None:
@@ -99,13 +104,13 @@ def test_json_of_every_outcome_has_a_status(write: Write, words: list[str], stat
 
 def test_json_of_several_runs_has_a_status_for_each(write: Write) -> None:
     write(LIMIT)
-    for words in (
-        ["test", "lag.toml", "none.toml"],
-        ["run", "lag.toml", "--seeds", "1,2"],
-        ["check", "x.toml"],
+    for words, statuses in (
+        (["test", "lag.toml", "none.toml"], ["passed", "error"]),
+        (["run", "lag.toml", "--seeds", "1,2"], ["passed", "passed"]),
+        (["check", "x.toml"], ["error"]),
     ):
         content = json.loads(called(*words, "--json", "-").stdout)
-        assert {entry["status"] for entry in content} <= {"passed", "error"}
+        assert [entry["status"] for entry in content] == statuses
 
 
 def test_an_error_leaves_the_json_file_of_an_earlier_run(write: Write, folder: Path) -> None:

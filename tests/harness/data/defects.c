@@ -187,10 +187,6 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
     if (p->integer[CALLS] == 3) {
         break_process(p);
         if (strncmp(defect, "step_", 5) == 0 || is("log_bytes") || is("log_long")) return step_status(p);
-        if (is("warning")) {
-            probe_do_step(c, time, step, prior);
-            return fmi2Warning;
-        }
         if (is("nan")) p->integer[NAN_AT] = 3;
     }
     if (is("static")) {
@@ -202,6 +198,10 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real step, fmi2Boolean
         p->real[BIAS_1] = 1e-3 * (getenv("COUNTER") ? atof(getenv("COUNTER")) : 0.0);
         snprintf(text, sizeof text, "%g", 1e3 * p->real[BIAS_1] + 1.0);
         setenv("COUNTER", text, 1);
+    }
+    if (is("warning") && p->integer[CALLS] >= 3) {
+        probe_do_step(c, time, step, prior);
+        return fmi2Warning;
     }
     return probe_do_step(c, time, step, prior);
 }

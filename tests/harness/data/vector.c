@@ -176,7 +176,8 @@ fmi3Status fmi3DoStep(fmi3Instance c, fmi3Float64 time, fmi3Float64 step, fmi3Bo
     Vector *v = c;
     int what = v->now.calls++ == v->now.at ? v->now.what : 0;
     v->now.time = time;
-    *end = what == 1;
+    /* as in many FMUs, what is false is not written */
+    if (what == 1) *end = true;
     *early = what == 2;
     *event = what == 3;
     *reached = time + step * (what == 2 ? 0.5 : 1.0);

@@ -125,6 +125,13 @@ def test_a_damaged_folder_is_extracted_again(
     assert "was damaged" in caplog.text
 
 
+def test_a_folder_that_was_removed_during_the_process_is_extracted_again(folder: Path) -> None:
+    first = open_fmu(folder / "probe.fmu").folder
+    shutil.rmtree(first)
+    assert open_fmu(folder / "probe.fmu").folder == first
+    assert (first / LIBRARY).is_file()
+
+
 def test_an_unwritable_cache_falls_back_and_says_so(
     folder: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -37,7 +37,7 @@ DRIVEN = "\n".join(
 
 @pytest.fixture(scope="session")
 def vector_library(tmp_path_factory: pytest.TempPathFactory) -> bytes:
-    return compiled(tmp_path_factory.mktemp("vector"), "vector")
+    return compiled(tmp_path_factory.mktemp("vector"), DATA / "vector.c")
 
 
 @pytest.fixture
@@ -104,19 +104,30 @@ def test_elements_that_nothing_sets_keep_their_start_values(loop: Path, write: W
     assert [ours[f"y[{index}]"][-1] for index in (1, 2, 3)] == [0.5, 1.5, 7.5]
 
 
-def test_every_type_of_number_is_moved_as_in_fmpy(loop: Path, folder: Path) -> None:
-    large = {f"int{bits}": 2 ** (bits - 1) - 100 for bits in (8, 16, 32)}
-    large |= {f"uint{bits}": 2**bits - 100 for bits in (8, 16, 32)}
-    large |= {"int64": 2**53 - 100, "uint64": 2**53 - 100}
-    names = [f"{name}_out" for name in large]
-    changes = [f"controller.{name}={value}" for name, value in large.items()]
+LARGE = {
+    **{f"int{bits}": 2 ** (bits - 1) - 100 for bits in (8, 16, 32)},
+    **{f"uint{bits}": 2**bits - 100 for bits in (8, 16, 32)},
+    "int64": 2**53 - 100,
+    "uint64": 2**53 - 100,
+}
+LOWEST = {f"int{bits}": -(2 ** (bits - 1)) for bits in (8, 16, 32, 64)}
+
+
+@pytest.mark.parametrize("numbers", [LARGE, LOWEST], ids=["large", "lowest"])
+def test_every_type_of_number_is_moved_as_in_fmpy(loop: Path, folder: Path, numbers: dict[str, int]) -> None:
+    names = [f"{name}_out" for name in numbers]
+    changes = [f"controller.{name}={value}" for name, value in numbers.items()]
     changes += ["controller.single_in=0.1", "controller.flag=[true, false]", "controller.mode=Far"]
     ours = run(loop, *changes)
-    found = theirs(folder, [*names, "single"], start_values={**large, "single_in": 0.1})
+    found = theirs(folder, [*names, "single"], start_values={**numbers, "single_in": 0.1})
     for name in [*names, "single"]:
         assert ours[name].tolist() == found[name].astype(float).tolist(), name
     assert ours["single"][0] == float(np.float32(0.1))
     assert (ours["mode_out"][0], ours["flag_out[1]"][0], ours["flag_out[2]"][0]) == (5e9, 0.0, 1.0)
+
+
+def test_a_number_of_32_bits_may_be_infinite(loop: Path) -> None:
+    assert run(loop, "controller.single_in=inf")["single"][0] == np.inf
 
 
 def test_the_experiment_has_tolerance_and_stop_time(loop: Path) -> None:
@@ -131,6 +142,7 @@ BAD = {
     "controller.mode=Near": "it must be one of `Off`, `Far`",
     "controller.m=[1, 2]": "`controller.m` has 2 values instead of 6",
     "controller.x=[1, 2, 3, 4]": "`controller.x` has 4 values instead of 3",
+    'controller.label="a\\u0000"': "it must be a text without NUL characters",
     "controller.n=4": "`controller.n` is a structural parameter and cannot be set",
     "controller.blob=1": "`controller.blob` is a variable of type `Binary` and cannot be set",
     "controller.gain=11": "the FMU rejected `controller.gain` = `11.0`: `gain` is above its limit",
@@ -142,6 +154,13 @@ BAD = {
 def test_a_value_that_does_not_fit_is_rejected(loop: Path, change: str) -> None:
     with pytest.raises(CosimError, match=re.escape(BAD[change])):
         run(loop, change)
+
+
+def test_an_array_of_texts_cannot_be_set(vector: Callable[..., Path], write: Write) -> None:
+    vector(('<Start value="hello"/>', '<Dimension start="2"/><Start value="hello"/>'))
+    problem = r"`controller.label\[1\]` is an array of type `String` and cannot be set"
+    with pytest.raises(FmuError, match=problem):
+        run(write(text=SCENARIO, name="vector.toml"), "controller.label[1]=a")
 
 
 @pytest.mark.parametrize(
@@ -192,8 +211,22 @@ def test_runs_are_repeatable_with_reset_and_with_new_instances(
     ):
         session.run(1)
         session.run(2)
-    told = "the FMU: every run gets a new instance, because it cannot be reset: no reset (fmi3Reset returned"
-    assert any(told in record.getMessage() for record in caplog.records)
+    warning = "the FMU: every run gets a new instance, because it cannot be reset: no reset"
+    warning += " (fmi3Reset returned"
+    assert any(warning in record.getMessage() for record in caplog.records)
+
+
+def test_a_reused_instance_ends_and_warns_only_in_its_own_run(
+    loop: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    loops = [
+        cosim.load(loop, set=[f"controller.what={what}", f"controller.at={at}"])
+        for what, at in ((4, 3), (4, 5), (1, 6), (0, 0))
+    ]
+    runs = cosim.run_each(loops, workers=1)
+    assert [one.simulated_s for one in runs if isinstance(one, cosim.Result)] == [0.02, 0.02, 0.007, 0.02]
+    texts = [text.rpartition("returned ")[2] for text in caplog.messages if "fmi3Warning" in text]
+    assert texts == [f"fmi3Warning at t = {at} s" for at in (0.003, 0.005)]
 
 
 def test_a_reset_that_keeps_values_is_found(vector: Callable[..., Path], write: Write) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 import subprocess
 import sys
 import zipfile
@@ -12,7 +11,7 @@ from pathlib import Path
 import fmpy
 from pythonfmu.builder import FmuBuilder
 
-from ..conftest import HEADERS, pack
+from ..conftest import compiled, pack
 
 HERE = Path(__file__).parent
 C_MODELS = sorted(file.stem for file in (HERE / "c").glob("*.c"))
@@ -69,14 +68,13 @@ def c_fmu(name: str, folder: Path) -> Path:
         initial += unknown if causality in ("output", "calculatedParameter") else ""
     options = [f"#define {option}" for option in OPTION.findall(text)]
     begin = f"static void begin(Model *m) {{ {' '.join(starts)} }}"
-    source = "\n".join([*options, '#include "frame.h"', *macros, begin, f'#include "{name}.c"', ""])
-    library = folder / f"{name}{fmpy.sharedLibraryExtension}"
-    compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang") or "cc"
-    options = ["-shared", "-fPIC", "-O1", "-w", "-x", "c", "-", f"-I{HEADERS}", f"-I{HERE / 'c'}"]
-    subprocess.run([compiler, *options, "-o", library, "-lm"], input=source, text=True, check=True)
+    frame = f'#include "{HERE.as_posix()}/c/frame.h"'
+    source = folder / f"{name}.c"
+    source.write_text("\n".join([*options, frame, *macros, begin, text]))
+    library = compiled(folder, source)
     description = DESCRIPTION.format(name=name, variables="\n".join(lines), outputs=outputs, initial=initial)
-    member = f"binaries/{fmpy.platform}/{library.name}"
-    return pack(folder / f"{name}.fmu", description, {member: library.read_bytes()})
+    member = f"binaries/{fmpy.platform}/{name}{fmpy.sharedLibraryExtension}"
+    return pack(folder / f"{name}.fmu", description, {member: library})
 
 
 def false_or(start: str | None, kind: str) -> str:

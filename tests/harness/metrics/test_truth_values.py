@@ -109,6 +109,7 @@ VALUES = {
     "min(-isfinite(p.a))": -1.0,
     "count(p.a > 99) % count(p.a > 99)": np.nan,
     "count(p.a > 0) ** -1": 0.5,
+    "count(p.a[p.a] < 99)": 4.0,
 }
 
 
@@ -155,13 +156,13 @@ from probe_plants import Channel, Lag, math, np
 
 class Lost(Lag):
     truths = (*Lag.truths, Channel("lost"), Channel("good"))
-    readings = (*Lag.readings, Channel("unwired"))
+    readings = (*Lag.readings, Channel("unwired"), Channel("first"))
 
     def truth(self):
         return np.array([*super().truth(), math.nan if self.n == 7 else 0.0, 0.0])
 
     def sense(self):
-        return np.array([*super().sense(), math.nan if self.n == 3 else 0.0])
+        return np.array([*super().sense(), math.nan if self.n == 3 else 0.0, 0.0 if self.n else math.nan])
 """
 
 
@@ -173,7 +174,7 @@ def test_a_column_or_measurement_with_nan_is_reported_once_in_a_run(
     for _ in range(2):
         assert cosim.run(cosim.load(file, set=["plant.name=nan_plants:Lost"])).passed is True
     reported = [text for text in caplog.messages if "was NaN during the run" in text]
-    assert [text.split()[0] for text in reported] == ["`plant.lost`", "`plant.unwired`"] * 2
+    assert [text.split()[0] for text in reported] == ["`plant.lost`", "`plant.unwired`", "`plant.first`"] * 2
 
 
 def test_an_output_with_nan_is_reported(write: Write, folder: Path, caplog: pytest.LogCaptureFixture) -> None:

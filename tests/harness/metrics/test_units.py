@@ -18,12 +18,13 @@ from cosim.metrics.criteria import compile_metrics, converted, drawn, unit_of
 from cosim.metrics.expression import Expression, Items
 from cosim.new.draft import End, match
 from cosim.scenario.model import Criterion, Metric
-from cosim.units import BASES, CONSTANTS, Definition, Unit, conversion, defined, of_fmu
+from cosim.units import BASES, CONSTANTS, Definition, Unit, beyond_si, conversion, defined, of_fmu
 
 from ..conftest import DATA, entry, grid, pack
 from ..loop.test_named import library
 
 Write = Callable[..., Path]
+WithUnit = Callable[[str, str, str], None]
 
 EQUAL = {
     "MPa": (10.0, "bar"),
@@ -64,13 +65,22 @@ def test_units_of_si_convert(source: str, number: float, target: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "target"), [("Hz", "rad/s"), ("Pa", "J"), ("rad", "1"), ("kmin", "s"), ("MK.", "K"), ("", "m")]
+    ("source", "target"),
+    [
+        ("Hz", "rad/s"),
+        ("Pa", "J"),
+        ("rad", "1"),
+        ("kmin", "s"),
+        ("MK.", "K"),
+        ("", "m"),
+        ("pm9.pm9.pm9.pm9", "m9.m9.m9.m9"),
+    ],
 )
 def test_other_quantities_do_not_convert(source: str, target: str) -> None:
     assert conversion(source, target) is None
 
 
-def test_temperatures_have_an_offset_() -> None:
+def test_temperatures_have_an_offset() -> None:
     for source, target, value, wanted in [
         ("degC", "K", 20.0, 293.15),
         ("K", "degC", 273.15, 0.0),
@@ -134,6 +144,7 @@ def test_the_definition_of_an_fmu_precedes_that_of_si() -> None:
     assert known["rad/s"] == defined("rad/s")
     assert conversion(Unit("rpm", known), "Hz") == (1.0 / 60.0, 0.0)
     assert set(known) == {"turn", "min", "rad/s", "rpm"}
+    assert beyond_si([Unit("rad/s", known), Unit("m", known)]) == {}
     names: dict[str, Items | None] = {"time": None, "a.x": None}
     derivative = Expression("derivative(a.x)", names, "`m`", units={"a.x": Unit("turn", known)})
     assert conversion(derivative.unit or "", "rad/s") == (6.28, 0.0)
@@ -145,17 +156,21 @@ def test_a_unit_keeps_its_definition_in_another_process() -> None:
     assert (copy, copy.known) == ("turn", unit.known)
 
 
-def described(old: str, new: str) -> str:
-    """Return the description of the probe with another unit of its output, and the definition."""
-    text = (DATA / "probe.xml").read_text().replace("</UnitDefinitions>", f"{new}</UnitDefinitions>")
-    return text.replace('causality="output"><Real unit="m"', f'causality="output"><Real {old}')
+@pytest.fixture
+def with_unit(folder: Path, probe_library: bytes) -> WithUnit:
+    """Pack the probe with another unit of its output, by the base units of that."""
+
+    def build(file: str, unit: str, base: str) -> None:
+        definition = f'<Unit name="{unit}"><BaseUnit {base}/></Unit></UnitDefinitions>'
+        text = (DATA / "probe.xml").read_text().replace("</UnitDefinitions>", definition)
+        text = text.replace('causality="output"><Real unit="m"', f'causality="output"><Real unit="{unit}"')
+        pack(folder / file, text, {library(): probe_library})
+
+    return build
 
 
-def test_a_criterion_converts_by_the_units_of_the_fmu(
-    write: Write, folder: Path, probe_library: bytes
-) -> None:
-    stride = '<Unit name="stride"><BaseUnit m="1" factor="0.75"/></Unit>'
-    pack(folder / "s.fmu", described('unit="stride"', stride), {library(): probe_library})
+def test_a_criterion_converts_by_the_units_of_the_fmu(write: Write, with_unit: WithUnit) -> None:
+    with_unit("s.fmu", "stride", 'm="1" factor="0.75"')
     demand = entry("metric", name="end", value="last(controller.out)")
     demand += entry("criterion", id="end", claim="c", metric="end", unit="mm", maximum=1e9)
     result = cosim.run(cosim.load(write(demand), set=["controller.fmu=s"]))
@@ -173,9 +188,8 @@ def test_a_criterion_converts_by_the_units_of_the_fmu(
     )
 
 
-def test_a_sweep_converts_by_the_units_of_the_fmu(write: Write, folder: Path, probe_library: bytes) -> None:
-    stride = '<Unit name="stride"><BaseUnit m="1" factor="0.75"/></Unit>'
-    pack(folder / "probe.fmu", described('unit="stride"', stride), {library(): probe_library})
+def test_a_sweep_converts_by_the_units_of_the_fmu(write: Write, folder: Path, with_unit: WithUnit) -> None:
+    with_unit("probe.fmu", "stride", 'm="1" factor="0.75"')
     demand = entry("metric", name="end", value="last(controller.out)")
     write(demand + entry("criterion", id="end", claim="c", metric="end", unit="m", maximum=1e9))
     (folder / "study.toml").write_text(grid(pole=[0.1, 0.2]))
@@ -185,9 +199,8 @@ def test_a_sweep_converts_by_the_units_of_the_fmu(write: Write, folder: Path, pr
     assert (folder / "study.sweep" / "results.jsonl").read_text().count('"definitions"') == 2
 
 
-def test_a_wire_of_a_temperature_needs_an_offset(write: Write, folder: Path, probe_library: bytes) -> None:
-    kelvin = '<Unit name="K"><BaseUnit K="1"/></Unit>'
-    pack(folder / "t.fmu", described('unit="K"', kelvin), {library(): probe_library})
+def test_a_wire_of_a_temperature_needs_an_offset(write: Write, folder: Path, with_unit: WithUnit) -> None:
+    with_unit("t.fmu", "K", 'K="1"')
     commands = '(Channel("u", "degC"), Channel("extra"))'
     plant = f"from probe_plants import Channel, Lag\n\nclass Hot(Lag):\n    commands = {commands}\n"
     (folder / "hot.py").write_text(plant)

@@ -24,7 +24,7 @@ from . import command
 Write = Callable[..., Path]
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 
-TOLD = "nothing drives `plant.extra`"
+WARNING = "nothing drives `plant.extra`"
 """Part of a warning that a run logs when its FMU and plant are open, before the first step."""
 UNDRIVEN = SCENARIO.replace(', "plant.extra"]', "]")
 BUSY = {
@@ -48,7 +48,7 @@ def test_ctrl_c_ends_a_run(arguments: list[str], write: Write, folder: Path) -> 
     shutil.copy(DATA / "hostile_plants.py", folder / "hostile_plants.py")
     write(text=UNDRIVEN)
     with command.started(*arguments, "-v", "--json", "-") as process:
-        command.wait_for_line(process, TOLD)
+        command.wait_for_line(process, WARNING)
         stdout, stderr = command.interrupted(process)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -59,7 +59,7 @@ def test_ctrl_c_ends_a_run(arguments: list[str], write: Write, folder: Path) -> 
 def test_sigterm_ends_a_run_as_ctrl_c_does(more: list[str], write: Write, folder: Path) -> None:
     write(text=UNDRIVEN)
     with command.started(command.STEPS, "--trace", "t.parquet", "-v", *more) as process:
-        command.wait_for_line(process, TOLD)
+        command.wait_for_line(process, WARNING)
         stdout, stderr = command.interrupted(process, number=signal.SIGTERM)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -139,7 +139,7 @@ def test_ctrl_c_during_the_imports(imported: str, write: Write, folder: Path) ->
 def test_ctrl_c_in_process(engine: str, write: Write) -> None:
     write(text=UNDRIVEN)
     with command.started(command.STEPS, "--in-process", "-v", "--engine", engine) as process:
-        command.wait_for_line(process, TOLD)
+        command.wait_for_line(process, WARNING)
         stdout, stderr = command.interrupted(process)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -148,7 +148,7 @@ def test_ctrl_c_in_process(engine: str, write: Write) -> None:
 def test_the_second_ctrl_c_ends_a_step_that_hangs_in_process(write: Write) -> None:
     write(text=UNDRIVEN)
     with command.started("--set", "controller.hang_at=3", "--in-process", "-v") as process:
-        command.wait_for_line(process, TOLD)
+        command.wait_for_line(process, WARNING)
         stdout, stderr = command.interrupted(process, presses=2)
     assert (process.returncode, stdout) == (130, "")
     assert stderr.splitlines()[-1] == "error: interrupted"
@@ -189,7 +189,7 @@ def test_a_killed_command_leaves_no_worker(write: Write, folder: Path) -> None:
     shutil.copy(DATA / "hostile_plants.py", folder / "hostile_plants.py")
     write(text=UNDRIVEN)
     with command.started("--set", "plant.name=hostile_plants:Hold", "-v") as process:
-        command.wait_for_line(process, TOLD)
+        command.wait_for_line(process, WARNING)
         workers = psutil.Process(process.pid).children(recursive=True)
         assert workers
         process.kill()

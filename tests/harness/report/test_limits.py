@@ -149,8 +149,8 @@ def test_faults_beyond_the_last_mark_are_counted() -> None:
     of, found = result(traced(plant_x=TIME, controller_fault=reported), "max(plant.x)", maximum=4.0)
     every = marks.events(of, found)
     events = plot.events_between(TIME, every)
-    told_as = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
-    assert [text for _, text in events] == told_as
+    labels = ["Stuck", "Stuck", "Stuck", "fault injected: plant.u", "Stuck", "Stuck, and 15 more"]
+    assert [text for _, text in events] == labels
     assert events[-1][0] == pytest.approx(0.9)
     # those of a window are its own
     assert [t for t, _ in plot.events_between(TIME[TIME > 3.4], every)] == pytest.approx([3.5, 3.7, 3.9])

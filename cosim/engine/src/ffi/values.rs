@@ -78,7 +78,7 @@ fn whole(value: f64) -> Option<i32> {
     let rounded = value.round_ties_even();
     // NaN, too, is no integer
     #[allow(clippy::cast_possible_truncation)]
-    (rounded.abs() < 2_147_483_648.0).then_some(rounded as i32)
+    (-2_147_483_648.0..2_147_483_648.0).contains(&rounded).then_some(rounded as i32)
 }
 
 /// Numbers of a whole run, one per step.
@@ -223,11 +223,11 @@ mod tests {
         let mut memory = 7;
         // SAFETY: `memory` outlives the slot.
         let slot = unsafe { Slot::integer(NonNull::from(&mut memory)) };
-        for (value, stored) in [(0.5, 0.0), (1.5, 2.0), (-2.5, -2.0), (-2_147_483_647.0, -2_147_483_647.0)] {
+        for (value, stored) in [(0.5, 0.0), (1.5, 2.0), (-2.5, -2.0), (-2_147_483_648.0, -2_147_483_648.0)] {
             assert_eq!(slot.write(value), Ok(()));
             assert_eq!(slot.read(), stored);
         }
-        for value in [2_147_483_648.0, 2_147_483_647.5, f64::INFINITY] {
+        for value in [2_147_483_648.0, 2_147_483_647.5, -2_147_483_649.0, f64::INFINITY] {
             assert_eq!(slot.write(value), Err(value));
         }
         assert!(slot.write(f64::NAN).is_err_and(f64::is_nan));

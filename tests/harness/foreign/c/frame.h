@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "fmi2Functions.h"
+#include "../../data/unsupported.h"
 
 typedef struct {
     fmi2Real real[32], start, stop, tolerance, last, state[64];
@@ -91,27 +92,11 @@ F fmi2SetString(fmi2Component c, const fmi2ValueReference vr[], size_t n, const 
     return fmi2OK;
 }
 F fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real h, fmi2Boolean no_set) { return step(c, t, h); }
-F fmi2CancelStep(fmi2Component c) { return fmi2Error; }
-F fmi2GetStatus(fmi2Component c, const fmi2StatusKind k, fmi2Status *v) { return fmi2Discard; }
 F fmi2GetRealStatus(fmi2Component c, const fmi2StatusKind k, fmi2Real *v) {
     *v = ((Model *)c)->last;
     return k == fmi2LastSuccessfulTime ? fmi2OK : fmi2Discard;
 }
-F fmi2GetIntegerStatus(fmi2Component c, const fmi2StatusKind k, fmi2Integer *v) { return fmi2Discard; }
 F fmi2GetBooleanStatus(fmi2Component c, const fmi2StatusKind k, fmi2Boolean *v) {
     *v = ((Model *)c)->ended;
     return k == fmi2Terminated ? fmi2OK : fmi2Discard;
 }
-F fmi2GetStringStatus(fmi2Component c, const fmi2StatusKind k, fmi2String *v) { return fmi2Discard; }
-F fmi2GetFMUstate(fmi2Component c, fmi2FMUstate *s) { return fmi2Error; }
-F fmi2SetFMUstate(fmi2Component c, fmi2FMUstate s) { return fmi2Error; }
-F fmi2FreeFMUstate(fmi2Component c, fmi2FMUstate *s) { return fmi2Error; }
-F fmi2SerializedFMUstateSize(fmi2Component c, fmi2FMUstate s, size_t *n) { return fmi2Error; }
-F fmi2SerializeFMUstate(fmi2Component c, fmi2FMUstate s, fmi2Byte b[], size_t n) { return fmi2Error; }
-F fmi2DeSerializeFMUstate(fmi2Component c, const fmi2Byte b[], size_t n, fmi2FMUstate *s) { return fmi2Error; }
-F fmi2GetDirectionalDerivative(fmi2Component c, const fmi2ValueReference u[], size_t n, const fmi2ValueReference k[],
-                               size_t l, const fmi2Real d[], fmi2Real v[]) { return fmi2Error; }
-F fmi2SetRealInputDerivatives(fmi2Component c, const fmi2ValueReference u[], size_t n, const fmi2Integer o[],
-                              const fmi2Real v[]) { return fmi2Error; }
-F fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference u[], size_t n, const fmi2Integer o[],
-                               fmi2Real v[]) { return fmi2Error; }
